@@ -3,23 +3,24 @@
 
 import io
 import socket
+import threading
 import time
 from types import SimpleNamespace
 
 import pytest
 import rospy
 
-from voice_assist.ros.robot.command_client import _drop, _TimelyRequest
+from rst_control.srv import CommandRequest
+from voice_assist.ros.service_calls import drop, in_time, timely
 
 
 def test_a_request_is_written_until_its_time_is_over_and_not_after_it():
-    request, written = _TimelyRequest("tense"), io.BytesIO()
-    request.send_by = time.monotonic() + 60.0
-    request.serialize(written)
+    written = io.BytesIO()
+    timely(CommandRequest, time.monotonic() + 60.0)("tense").serialize(written)
     assert written.getvalue() == b"\x05\x00\x00\x00tense"
-    request.send_by = time.monotonic() - 1e-6
+    late = timely(CommandRequest, time.monotonic() - 1e-6)("tense")
     with pytest.raises(rospy.ServiceException, match="too late"):
-        request.serialize(written)
+        late.serialize(written)
     assert written.getvalue() == b"\x05\x00\x00\x00tense"
 
 
@@ -43,7 +44,7 @@ def test_what_the_network_holds_back_is_thrown_away():
             with pytest.raises(BlockingIOError):  # until the buffers of both sides are full
                 while True:
                     sent += ours.send(bytes(65536))
-            _drop(proxy(ours))
+            drop(proxy(ours))
             received = 0
             with pytest.raises(ConnectionResetError):
                 while read := theirs.recv(1 << 20):
@@ -53,5 +54,39 @@ def test_what_the_network_holds_back_is_thrown_away():
 
 def test_a_proxy_that_never_connected_is_closed_all_the_same():
     closed = []
-    _drop(SimpleNamespace(transport=None, close=lambda: closed.append(True)))
+    drop(SimpleNamespace(transport=None, close=lambda: closed.append(True)))
     assert closed == [True]
+
+
+def raising(error):
+    def work():
+        raise error
+
+    return work
+
+
+@pytest.mark.parametrize(
+    "work",
+    [
+        raising(rospy.ServiceException()),
+        raising(rospy.ROSException()),
+        raising(ConnectionRefusedError()),
+    ],
+)
+def test_an_error_of_the_network_is_no_answer(work):
+    assert in_time(work, 60.0) is None
+
+
+def test_an_answer_is_waited_for_and_given_up_in_time_by_a_thread_that_ends_with_the_process():
+    assert in_time(lambda: "answer", 60.0) == "answer"
+    go_on, seen = threading.Event(), []
+
+    def hang():
+        seen.append(threading.current_thread().daemon)
+        return go_on.wait(60.0)
+
+    began = time.monotonic()
+    assert in_time(hang, 0.05) is None
+    assert time.monotonic() - began < 10.0
+    go_on.set()
+    assert seen == [True]

@@ -8,7 +8,7 @@ import pytest
 
 from typed_config import load_file
 from voice_assist.alarms.annunciator import GAP, Annunciator
-from voice_assist.alarms.board import Board
+from voice_assist.alarms.board import Board, wake_phrases
 from voice_assist.alarms.earcons import PATTERNS
 from voice_assist.alarms.presenter import event_alarm, latch_alarm, part_alarm, unheard_alarm
 from voice_assist.alarms.types import (
@@ -20,6 +20,7 @@ from voice_assist.alarms.types import (
     RobotState,
     UtteranceReport,
 )
+from voice_assist.config import load_voice_config
 from voice_assist.config.alarms import FILE, AlarmsConfig
 
 CONFIG = load_file(AlarmsConfig, FILE)
@@ -249,6 +250,55 @@ def test_a_lost_pedal_has_its_own_next_step():
     scene = Scene().health("pedal: pedal", "nobody publishes joy any more")
     assert scene.first.priority is Priority.LOW and "pedal" in scene.first.next_step
     assert scene.health("pedal: pedal", "").first is None
+
+
+@pytest.mark.parametrize(
+    ("name", "first", "second"),
+    [
+        ("alarms: strangers", "not believed: /a from /x", "not believed: /a from /x, /a from /y"),
+        ("rst_control: settings", "not those of the launch: a is 1", "not those of the launch: b"),
+    ],
+)
+def test_a_new_stranger_or_setting_is_named_and_told_though_one_was_seen_to(name, first, second):
+    scene = Scene().health(name, first).event("refused", "hey robot", "x").run(3.0)
+    before = scene.sounds().count(Earcon.FAULT_MEDIUM) + scene.sounds().count(Earcon.FAULT_LOW)
+    scene.health(name, first).run(3.0)
+    faults = [s for s in scene.board.standing if s.alarm.kind is Kind.FAULT]
+    assert first in faults[0].alarm.cause and faults[0].is_acknowledged
+    scene.health(name, second).run(3.0)
+    faults = [s for s in scene.board.standing if s.alarm.kind is Kind.FAULT]
+    assert second in faults[0].alarm.cause and not faults[0].is_acknowledged
+    after = scene.sounds().count(Earcon.FAULT_MEDIUM) + scene.sounds().count(Earcon.FAULT_LOW)
+    assert after == before + 1
+
+
+def test_other_numbers_in_a_parts_message_are_no_news():
+    scene = Scene().health("rst_control: recording", "recorder silent for 1.2 s").run(1.0)
+    scene.health("rst_control: recording", "recorder silent for 2.2 s").run(1.0)
+    assert "1.2 s" in scene.first.cause and scene.sounds() == [Earcon.FAULT_LOW]
+
+
+@pytest.mark.parametrize(
+    ("language", "said", "is_seen_to"),
+    [
+        ("en", "hey robot", True),
+        ("de", "hallo roboter", True),
+        ("de", "hey robot", False),
+        ("de", "stop", False),
+    ],
+)
+def test_the_wake_phrase_of_the_language_acknowledges_by_itself(language, said, is_seen_to):
+    scene = Scene()
+    scene.board = Board(CONFIG.board, wake_phrases(load_voice_config(language=language).commands))
+    scene.be(state="halted", halt_reason=STOPPED)
+    scene.board.see_utterance(UtteranceReport(said, "", "", said, 0.0), scene.now)
+    assert scene.board.standing[0].is_acknowledged is is_seen_to
+
+
+def test_without_known_commands_hey_robot_acknowledges():
+    scene = Scene().be(state="halted", halt_reason=STOPPED)
+    scene.board.see_utterance(UtteranceReport("hey robot", "", "", "hey robot", 0.0), scene.now)
+    assert scene.board.standing[0].is_acknowledged
 
 
 def test_a_fault_that_gets_worse_is_told_again():

@@ -69,7 +69,6 @@ def shown(screen):
 
 def test_the_screen_shows_what_stands_what_else_and_what_was():
     screen = AlarmScreen(lambda: 1_700_000_000.0)
-    assert "all is well" in shown(screen)
     screen.show(STOP, False, ())
     screen.show(FAULT, True, (line(STOP),))
     words = shown(screen)
@@ -78,6 +77,20 @@ def test_the_screen_shows_what_stands_what_else_and_what_was():
     screen.show(None, False, ())
     words = shown(screen)
     assert "all is well" in words and "STOP !! MEDIUM" in words  # in the past
+
+
+def test_the_screen_says_that_all_is_well_only_on_the_alarm_nodes_word():
+    screen = AlarmScreen(lambda: 1_700_000_000.0)
+    assert "no word from the alarm node" in shown(screen) and "well" not in shown(screen)
+    screen.show(None, False, ())
+    assert "all is well" in shown(screen) and "no word" not in shown(screen)
+    screen.show(FAULT, False, (line(STOP),))
+    screen.lose()
+    words = shown(screen)
+    assert "no word from the alarm node" in words
+    assert "well" not in words and "next:" not in words and "also:" not in words
+    screen.show(None, False, ())
+    assert "all is well" in shown(screen)
 
 
 def test_bursts_repeat_within_the_usual_pauses():

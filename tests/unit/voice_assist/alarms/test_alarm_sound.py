@@ -128,6 +128,35 @@ def test_trouble_is_told_once_and_its_end_too(player, device, told):
     assert told == ["no sound device", ""]
 
 
+class Speaker:
+    """Says answers, or fails to."""
+
+    def __init__(self):
+        self.said = []
+        self.trouble = ""
+
+    def prepare(self):
+        """Nothing takes time."""
+
+    def say(self, sentence, is_cut):
+        if self.trouble:
+            raise AudioError(self.trouble)
+        self.said.append(sentence)
+
+
+def test_a_missing_answer_is_told_apart_from_a_missing_tone(device, told):
+    speaker, unspoken = Speaker(), []
+    answered = replace(STOP, answer="stopped")
+    device.go_on()
+    player = Player(device, told.append, speaker, report_answers=unspoken.append)
+    for tone, answer in [("", ""), ("", "stuck"), ("", "stuck"), ("x", "")]:
+        device.trouble, speaker.trouble = tone, answer
+        player._play(answered)
+    assert told == ["x"]
+    assert unspoken == ["no answer is spoken: stuck"]
+    assert speaker.said == ["stopped"]
+
+
 # Programs of the system, in place of which a Python one stands here.
 
 

@@ -26,7 +26,7 @@ from voice_assist.enrolment.takes.from_session import COLUMNS, Uncorrected, read
 from voice_assist.enrolment.takes.script import EnrolmentScript, EnrolmentStep
 from voice_assist.errors import ManifestError
 from voice_assist.profile.manifest import COMMAND, TALK
-from voice_assist.profile.profile import create_profile, open_profile
+from voice_assist.profile.profile import create_profile, delete_profile, open_profile
 from voice_assist.types import FULL_SCALE, Frame
 
 VOICE = load_voice_config()
@@ -79,6 +79,68 @@ def test_a_wrong_word_is_asked_for_again(tmp_path: Path) -> None:
     assert "wrong word: 'stop' was heard" in result.message
     assert result.step is not None
     assert result.step.phrase == "hey robot"
+
+
+def test_what_a_terminal_did_meanwhile_is_gone_on_from(tmp_path: Path) -> None:
+    desk, room = make_desk(tmp_path)
+    room.said = ["", "tense"]
+    desk("ada", "record")
+    terminal = open_profile("ada", tmp_path)
+    take = terminal.manifest.takes[0]
+    terminal.add_take(
+        say("hey robot", 0.5, 0.5), dataclasses.replace(take, kind=COMMAND, phrase="hey robot")
+    )
+    result = desk("ada", "record")
+    assert result.success, result.message
+    takes = open_profile("ada", tmp_path).manifest.takes
+    assert [take.phrase for take in takes] == ["", "hey robot", "tense"]
+
+
+def test_what_a_terminal_did_while_a_take_was_recorded_is_kept(tmp_path: Path) -> None:
+    desk, room = make_desk(tmp_path)
+    room.said = ["", "hey robot"]
+    desk("ada", "record")
+    listen = room.listen
+
+    def interrupted() -> Iterator[Frame]:
+        open_profile("ada", tmp_path).put("note.txt", b"by a terminal")
+        yield from listen()
+
+    desk._listen = interrupted
+    assert desk("ada", "record").success
+    assert open_profile("ada", tmp_path).read("note.txt") == b"by a terminal"
+
+
+def test_a_profile_that_was_deleted_meanwhile_begins_anew(tmp_path: Path) -> None:
+    desk, room = make_desk(tmp_path)
+    room.said = [""]
+    desk("ada", "record")
+    delete_profile("ada", tmp_path)
+    result = desk("ada", "next")
+    assert result.step is not None
+    assert result.step.kind == "room"
+    assert open_profile("ada", tmp_path).manifest.takes == ()
+
+
+def test_a_profile_that_was_deleted_while_a_take_was_recorded_is_named(tmp_path: Path) -> None:
+    desk, _ = make_desk(tmp_path)
+    desk("ada", "next")
+
+    def interrupted() -> Iterator[Frame]:
+        delete_profile("ada", tmp_path)
+        yield from frames(silence(5.0).astype(np.float32))
+
+    desk._listen = interrupted
+    result = desk("ada", "record")
+    assert not result.success
+    assert "no profile 'ada'" in result.message
+    assert not (tmp_path / "ada").exists()
+
+
+def test_a_take_unlike_the_base_is_kept_when_it_comes_again(tmp_path: Path) -> None:
+    desk, room = make_desk(tmp_path)
+    room.said = ["", "mumble", "mumble"]
+    assert [desk("ada", "record").success for _ in range(3)] == [True, False, True]
 
 
 def test_nothing_is_recorded_while_commands_move_the_robot(tmp_path: Path) -> None:

@@ -7,7 +7,12 @@ from contextlib import suppress
 
 import pytest
 
+from typed_config import load_yaml
+from voice_assist.config import CONFIG_DIR
+from voice_assist.config.pedal import pedal_config
+from voice_assist.pedal import evdev
 from voice_assist.pedal.evdev import EVENT, DeviceMissingError, EvdevReader, devices, find
+from voice_assist.pedal.pedals import Pedals, Send
 
 
 def name(folder, event, text):
@@ -73,3 +78,55 @@ def test_events_are_read_until_the_device_is_gone_or_some_are_lost(tmp_path, the
             seen.append(one)
     writer.join()
     assert seen == [{"button 48": 1.0}, {"axis 1": 200.0}, *news]
+
+
+# A device that tells which keys are pressed, by a pipe whose ioctl is made up.
+
+
+@pytest.fixture
+def read(tmp_path, monkeypatch):
+    """News of a device of which some keys are pressed when it is opened, then some events come."""
+
+    def read(pressed, *events):
+        bits = bytearray(96)
+        for code in pressed:
+            bits[code // 8] |= 1 << code % 8
+
+        def ioctl(file, request, argument):
+            return bytes(bits) if request == 0x80604518 else 0  # EVIOCGKEY(96) of the kernel
+
+        monkeypatch.setattr(evdev.fcntl, "ioctl", ioctl)
+        pipe = tmp_path / "event1"
+        pipe.write_bytes(b"".join(EVENT.pack(1, 2, *event) for event in events))
+        seen = []
+        with EvdevReader(pipe) as reader, suppress(DeviceMissingError):
+            for news in reader:
+                seen.append(news)
+        return seen
+
+    return read
+
+
+def test_the_first_news_are_which_keys_are_pressed_already(read):
+    first, *later = read([0, 48, 767], (1, 48, 0))
+    assert len(first) == 768
+    assert [name for name, value in first.items() if value] == [
+        "button 0",
+        "button 48",
+        "button 767",
+    ]
+    assert later == [{"button 48": 0.0}]
+
+
+@pytest.mark.parametrize(
+    ("pressed", "sent"),
+    [([], [Send("tense", "button 48")]), ([48], []), ([49], [Send("tense", "button 48")])],
+)
+def test_the_first_press_counts_where_the_key_was_up_when_the_device_was_found(read, pressed, sent):
+    binding = {"input": "button 48", "above": 0.5, "does": "command", "command": "tense"}
+    file = load_yaml(CONFIG_DIR / "pedal.yaml")
+    pedals = Pedals(pedal_config({**file, "bindings": [binding]}))
+    pedals.found()
+    actions = [action for news in read(pressed, (1, 48, 1)) for action in pedals.take(news)]
+    assert actions == sent
+    assert len(pedals.remarks) == int(49 in pressed)  # which does nothing

@@ -42,6 +42,16 @@ def test_what_is_pressed_from_the_start_counts_only_after_a_release():
     assert press(pedals, "button 1") == (Send("tense", "button 1"),)
 
 
+def test_a_stop_counts_once_though_it_is_pressed_from_the_start():
+    pedals = make(binding("button 0", command="stop"), binding("button 1", command="tense"))
+    sent = (Send("stop", "button 0"),)
+    assert pedals.take({"button 0": 1.0, "button 1": 1.0}) == sent
+    assert [press(pedals, "button 0", value) for value in (1, 0, 1)] == [(), (), sent]
+    pedals.lost("unplugged")
+    pedals.found()
+    assert press(pedals, "button 0") == sent
+
+
 def test_after_a_loss_a_pressed_button_counts_only_after_a_release():
     pedals = make(binding("button 1", command="tense"))
     press(pedals, "button 1", 0.0)

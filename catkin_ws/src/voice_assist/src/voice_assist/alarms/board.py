@@ -26,6 +26,7 @@ from voice_assist.alarms.types import (
     UtteranceReport,
 )
 from voice_assist.config.alarms import BoardConfig
+from voice_assist.config.commands import CommandsConfig
 
 _LATCH, _GIVE_UP, _REFUSAL, _NOTICE = "latch", "give-up", "refusal", "notice"
 _PART_OF = {  # name of a status in diagnostics, without the node's name space, to the part
@@ -36,6 +37,7 @@ _PART_OF = {  # name of a status in diagnostics, without the node's name space, 
     "rst_control: settings": "settings",
     "pedal: pedal": "pedal",
 }
+_BY_CAUSE = ("part settings", "part strangers ")  # keys whose message names who or what it is
 _OWNER_OF = {"rst_control": "controller", "voice_assist": "voice", "kinova_guard": "stop guard"}
 
 
@@ -56,10 +58,11 @@ class Board:
 
     Args:
         config: How long things are shown, and when silence is a fault.
+        wakes: Phrases that wake the robot, and so acknowledge alarms.
     """
 
-    def __init__(self, config: BoardConfig) -> None:
-        self._config = config
+    def __init__(self, config: BoardConfig, wakes: frozenset[str] = frozenset({HEY_ROBOT})) -> None:
+        self._config, self._wakes = config, wakes
         self._all: dict[str, Standing] = {}
         self._robot = RobotState(0.0, "")
         self._seen: dict[str, float] = {}  # [s] last message of the parts whose silence is a fault
@@ -105,7 +108,7 @@ class Board:
 
     def see_utterance(self, utterance: UtteranceReport, now: float) -> None:
         """Take in what the recogniser decided."""
-        if utterance.command == HEY_ROBOT:
+        if utterance.command in self._wakes:
             self._acknowledge()
         alarm = unheard_alarm(utterance)
         if alarm is not None:
@@ -179,9 +182,14 @@ class Board:
             self._all[key] = replace(known, is_acknowledged=True)
 
 
+def wake_phrases(commands: CommandsConfig) -> frozenset[str]:
+    """How "hey robot" is said: the phrases of the commands that call it."""
+    return frozenset(c.phrase for c in commands.commands if c.command == HEY_ROBOT)
+
+
 def _is_same(key: str, first: Alarm, second: Alarm) -> bool:
-    """Whether two alarms have one cause; the numbers in a part's message may change."""
-    if key == _LATCH:
+    """Whether two alarms have one cause; the numbers in most parts' messages may change."""
+    if key == _LATCH or key.startswith(_BY_CAUSE):
         return first.cause == second.cause
     return (first.kind, first.next_step) == (second.kind, second.next_step)
 

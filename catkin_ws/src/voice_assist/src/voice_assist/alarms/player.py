@@ -52,6 +52,8 @@ class Player:
         report: Called once with what is wrong with it, and with an empty text when it is well.
         voice: Says the answers; None: nobody does.
         quiet_for: After `hush` nothing is said for so long [s].
+        report_answers: Called once with why no answer is spoken, while tones may be heard; None:
+            `report` is.
     """
 
     def __init__(
@@ -60,14 +62,16 @@ class Player:
         report: Callable[[str], None],
         voice: Voice | None = None,
         quiet_for: float = 0.0,
+        report_answers: Callable[[str], None] | None = None,
     ) -> None:
         self._output, self._report, self._voice = output, report, voice
+        self._report_answers = report_answers or report
         self._quiet_for, self._quiet_until = quiet_for, float("-inf")  # [s] steady clock
         self._changed = threading.Condition()
         self._next: Alarm | None = None
         self._is_over = False
         self.is_muted = False  # while it is true nothing is said, and what is being said ends
-        self.trouble = ""
+        self.trouble = self._unsaid = ""
         self._thread = threading.Thread(target=self._run, name="alarm player", daemon=True)
 
     def __enter__(self) -> Player:
@@ -109,21 +113,24 @@ class Player:
         except Exception as error:  # alarms go on being heard, or at least seen
             words = str(error) if isinstance(error, VoiceError) else repr(error)
             self._voice = None
-            self._report(f"no answer is spoken: {words}")
+            self._report_answers(f"no answer is spoken: {words}")
 
     def _play(self, alarm: Alarm) -> None:
-        trouble, voice = "", self._voice  # which `_prepare` may take away meanwhile
-        try:
-            self._output.play(alarm.earcon, lambda: self._is_cut(alarm))
-            if alarm.answer and voice is not None:
-                voice.say(alarm.answer, lambda: self._is_hushed() or self._is_cut(alarm))
-        except AudioError as error:
-            trouble = str(error)
-        except Exception as error:  # top of the thread: alarms go on being seen
-            trouble = f"sound failed: {error!r}"
+        voice = self._voice  # which `_prepare` may take away meanwhile
+        trouble = _trouble_of(lambda: self._output.play(alarm.earcon, lambda: self._is_cut(alarm)))
         if trouble != self.trouble:
             self.trouble = trouble
             self._report(trouble)
+        if alarm.answer and voice is not None and not trouble:
+            self._say(voice, alarm)
+
+    def _say(self, voice: Voice, alarm: Alarm) -> None:
+        unsaid = _trouble_of(
+            lambda: voice.say(alarm.answer, lambda: self._is_hushed() or self._is_cut(alarm))
+        )
+        if unsaid and unsaid != self._unsaid:
+            self._report_answers(f"no answer is spoken: {unsaid}")
+        self._unsaid = unsaid
 
     def _is_hushed(self) -> bool:
         return self.is_muted or time.monotonic() < self._quiet_until
@@ -131,3 +138,14 @@ class Player:
     def _is_cut(self, playing: Alarm) -> bool:
         coming = self._next
         return self._is_over or (coming is not None and coming.priority > playing.priority)
+
+
+def _trouble_of(play: Callable[[], None]) -> str:
+    """What went wrong with a sound, in words; empty: nothing did."""
+    try:
+        play()
+    except AudioError as error:
+        return str(error)
+    except Exception as error:  # in the player's thread: alarms go on being seen
+        return f"sound failed: {error!r}"
+    return ""

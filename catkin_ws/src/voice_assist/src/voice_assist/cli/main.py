@@ -52,6 +52,12 @@ def settings(options: argparse.Namespace) -> VoiceConfig:
     return load_voice_config(options.config, language=options.language, **changes)
 
 
+def _profiles_folder(options: argparse.Namespace) -> Path | None:
+    """Folder of all profiles that was asked for or is set, as the nodes have it; None: neither."""
+    given = options.profiles or settings(options).profile.folder
+    return Path(given) if given else None
+
+
 def _listen(options: argparse.Namespace) -> None:
     from voice_assist.cli.listen import listen
     from voice_assist.types import Mode
@@ -113,7 +119,7 @@ def _enroll(options: argparse.Namespace) -> None:
 
     asked = EnrolRequest(
         name=options.name,
-        folder=options.profiles,
+        folder=_profiles_folder(options),
         wavs=options.from_wavs,
         session=options.from_session,
         corrections=options.corrections,
@@ -126,7 +132,7 @@ def _enroll(options: argparse.Namespace) -> None:
 def _profiles(options: argparse.Namespace) -> None:
     from voice_assist.cli.enroll import manage
 
-    sys.exit(manage(options.action, options.name, options.profiles, options.yes))
+    sys.exit(manage(options.action, options.name, _profiles_folder(options), options.yes))
 
 
 def _evaluate(options: argparse.Namespace) -> None:

@@ -87,18 +87,24 @@ class EnrolmentService:
         if self._is_armed():
             words = "the robot listens to commands: say terminate before you enrol"
             return ActionResult(False, words, step)
-        checked = script.offer(step, record(self._listen(), step.seconds, lambda *_: None))
-        return ActionResult(script.next() != step, "; ".join(checked.problems), script.next())
+        sound = record(self._listen(), step.seconds, lambda *_: None)
+        script.profile = open_profile(name, self._root)  # a terminal may have changed it meanwhile
+        before = len(script.profile.manifest.takes)
+        checked = script.offer(step, sound)
+        is_kept = len(script.profile.manifest.takes) > before
+        return ActionResult(is_kept, "; ".join(checked.problems), script.next())
 
     def _profile(self, name: str) -> VoiceProfile:
-        if name in self._scripts:
-            return self._scripts[name].profile
+        """The profile as it lies on file, which a terminal may have changed or deleted."""
         if name in names(self._root):
             return open_profile(name, self._root)
+        self._scripts.pop(name, None)
         return create_profile(name, self._base.model_hash, self._root)
 
     def _script(self, name: str, profile: VoiceProfile) -> EnrolmentScript:
-        if name not in self._scripts:
-            phrases = self._voice.commands.fixed_phrases
-            self._scripts[name] = EnrolmentScript(profile, self._config, phrases, self._check)
-        return self._scripts[name]
+        """The script that goes on; it counts what was unlike the base, which is on no file."""
+        phrases = self._voice.commands.fixed_phrases
+        new = EnrolmentScript(profile, self._config, phrases, self._check)
+        script = self._scripts.setdefault(name, new)
+        script.profile = profile
+        return script

@@ -17,6 +17,8 @@ EVENT: Final = struct.Struct("llHHi")  # input_event: time, type, code, value
 EV_SYN, EV_KEY, EV_ABS = 0, 1, 3
 SYN_DROPPED: Final = 3  # code of EV_SYN: the kernel had no room for events
 EVIOCGRAB: Final = 0x40044590  # a pedal is a keyboard: elsewhere it would type
+KEYS: Final = 768  # codes of keys, a bit each in the kernel's answer
+EVIOCGKEY: Final = 2 << 30 | KEYS // 8 << 16 | 0x45 << 8 | 0x18  # which keys are pressed now
 REPEATED: Final = 2  # value of a key that is held
 
 
@@ -75,11 +77,13 @@ class EvdevReader:
         os.close(self._file)
 
     def __iter__(self) -> Iterator[Mapping[str, float]]:
-        """News of inputs, until the device is gone.
+        """First the present state of its keys, then news of inputs, until the device is gone.
 
         Raises:
             OSError: It is gone, or events were lost; says why.
         """
+        if present := self._present_keys():
+            yield present
         rest = b""
         while data := os.read(self._file, 64 * EVENT.size):
             rest += data
@@ -93,3 +97,11 @@ class EvdevReader:
                     raise OSError("events were lost, so what is pressed is unknown")
             rest = rest[whole:]
         raise DeviceMissingError("the device ends")
+
+    def _present_keys(self) -> Mapping[str, float]:
+        """Which keys are pressed; events tell changes only. Empty: it has no such state."""
+        try:
+            bits = fcntl.ioctl(self._file, EVIOCGKEY, bytes(KEYS // 8))
+        except OSError:  # it is no device, but a pipe of a test
+            return {}
+        return {f"button {code}": float(bits[code // 8] >> code % 8 & 1) for code in range(KEYS)}

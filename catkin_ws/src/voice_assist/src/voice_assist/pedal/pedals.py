@@ -47,7 +47,7 @@ class Pedals:
         self.remarks: list[str] = []  # what is wrong with the device's news, each once
 
     def found(self) -> None:
-        """The device is there; what is pressed already counts once it was released."""
+        """The device is there; what is pressed already, but for a stop, counts after a release."""
         self.is_there = True
         self._pressed.clear()
 
@@ -84,7 +84,7 @@ class Pedals:
 
     def _change(self, binding: BindingConfig, is_pressed: bool) -> tuple[PedalAction, ...]:
         was_pressed = self._pressed.get(binding.input)
-        if was_pressed is None and is_pressed:
+        if was_pressed is None and is_pressed and binding.command != STOP:
             return ()  # pressed from the start: a foot that rests there, or a stuck switch
         self._pressed[binding.input] = is_pressed
         if is_pressed and not was_pressed and binding.does == "command":

@@ -46,7 +46,7 @@ class RecordedTake:
 
 
 class EnrolmentScript:
-    """Goes through the script; it keeps no state beside the profile, so it can go on any time."""
+    """Goes through the script; its place in it is that of the profile, so it can go on any time."""
 
     def __init__(
         self, profile: VoiceProfile, config: EnrolmentConfig, phrases: tuple[str, ...], check: Check

@@ -25,7 +25,7 @@ from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
 from voice_assist.alarms.annunciator import Annunciator
 from voice_assist.alarms.appearance import is_lit, line
-from voice_assist.alarms.board import Board, Standing
+from voice_assist.alarms.board import Board, Standing, wake_phrases
 from voice_assist.alarms.player import Player
 from voice_assist.alarms.sound_output import ProgramOutput
 from voice_assist.alarms.types import IN_MOTION, PartHealth, Priority
@@ -57,7 +57,7 @@ class AlarmNode:
     """One thread takes in what came and shows what is new; callbacks of rospy only hand over."""
 
     def __init__(self, config: AlarmsConfig, commands: CommandsConfig) -> None:
-        self._config, self._board = config, Board(config.board)
+        self._config, self._board = config, Board(config.board, wake_phrases(commands))
         self._output, self._texts = ProgramOutput(config.sound), texts_of(commands)
         self._answers = self._make_answers(commands) if config.speech.is_enabled else None
         length = (lambda _: 0.0) if self._answers is None else self._answers.duration
@@ -98,7 +98,8 @@ class AlarmNode:
             return None
         output, quiet = stack.enter_context(self._output), self._config.speech.quiet_after_stop
         answers = None if self._answers is None else stack.enter_context(self._answers)
-        return stack.enter_context(Player(output, _say_sound, answers, quiet))
+        player = Player(output, _say_sound, answers, quiet, _say_unspoken)
+        return stack.enter_context(player)
 
     def _make_answers(self, commands: CommandsConfig) -> SpokenAnswers:
         speaking = rospy.Publisher("voice_assist/speaking", Bool, queue_size=10, tcp_nodelay=True)
@@ -107,7 +108,7 @@ class AlarmNode:
             commands,
             self._output.play_file,
             lambda is_speaking: speaking.publish(Bool(is_speaking)),
-            lambda words: rospy.logwarn("%s", words),
+            _say_unspoken,
         )
 
     def _guard(self, player: Player | None) -> None:
@@ -231,6 +232,11 @@ def _say_sound(trouble: str) -> None:
         rospy.logwarn("alarms are seen, not heard: %s", trouble)
     else:
         rospy.loginfo("alarms are heard again")
+
+
+def _say_unspoken(words: str) -> None:
+    """Tones may be heard all the same."""
+    rospy.logwarn("%s", words)
 
 
 def _now() -> float:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Any
 
 import rospy
@@ -17,6 +18,7 @@ from voice_assist.ros.display.endoscope import Endoscope
 from voice_assist.ros.microphone_service import SERVICE as MICROPHONE
 from voice_assist.ros.question_service import SERVICE as ANSWER
 from voice_assist.ros.robot.command_client import SERVICE
+from voice_assist.ros.service_calls import drop, in_time, timely
 from voice_assist.srv import AnswerQuestion, SetMicrophone
 
 GRASP_POINT = "rst_control/set_grasp_point"
@@ -74,10 +76,18 @@ class RosActs:
         return Outcome(bool(reply.accepted), reply.message)
 
 
-def _call(name: str, kind: type, *words: Any) -> Any:
-    """The answer of a service; None: there is none in time."""
-    try:
+def _call(name: str, kind: Any, *words: Any) -> Any:
+    """The answer of a service; None: there is none in time, and nothing is sent later."""
+    request = timely(kind._request_class, time.monotonic() + WITHIN)(*words)
+    proxy = rospy.ServiceProxy(name, kind, persistent=True)  # which `drop` can close
+
+    def ask() -> Any:
         rospy.wait_for_service(name, WITHIN)
-        return rospy.ServiceProxy(name, kind)(*words)
-    except (rospy.ROSException, rospy.ServiceException, OSError):
-        return None
+        return proxy(request)
+
+    reply = in_time(ask, WITHIN)
+    if reply is None:
+        drop(proxy)
+    else:
+        proxy.close()
+    return reply

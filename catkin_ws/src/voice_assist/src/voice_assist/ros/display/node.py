@@ -7,7 +7,7 @@ import asyncio
 import os
 import sys
 import time
-from contextlib import suppress
+from contextlib import AsyncExitStack, suppress
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -17,6 +17,7 @@ from rst_control.msg import ControllerState
 from typed_config import ConfigError, load_config
 from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
+from typed_config.ros.xmlrpc import FAILURES
 from voice_assist.config import CommandConfig, CommandsConfig
 from voice_assist.config.believed import believed_config
 from voice_assist.config.display import FILE, DisplayConfig
@@ -25,6 +26,7 @@ from voice_assist.display.server import DisplayServer
 from voice_assist.display.theatre import Limits, Theatre
 from voice_assist.msg import Alarm, AudioChunk, DeviceCall, Mode, Utterance
 from voice_assist.ros.believed import Believed
+from voice_assist.ros.connected import is_connected
 from voice_assist.ros.display import messages
 from voice_assist.ros.display.acts import RosActs
 from voice_assist.ros.display.endoscope import Endoscope
@@ -34,6 +36,10 @@ NICE = 10  # the page gives way to all that hears and moves
 LOOK_AGAIN = 1.0  # [s] between looks at what no topic says: settings, and whether alarms are there
 SETTINGS = "controller"  # node whose parameters hold the limits
 VOICE = "voice_assist"  # node whose parameters hold the spoken commands
+
+
+class NotServedError(Exception):
+    """The page's address cannot be had."""
 
 
 class DisplayNode:
@@ -66,8 +72,17 @@ class DisplayNode:
     def look_again(self) -> None:
         """Take in what no topic says, and name who is not believed."""
         self.known.publish_status()
-        if not _is_connected(self._alarm):
+        if not is_connected(self._alarm):
             self._theatre.see_alarm(None)
+        with suppress(*FAILURES, rospy.ROSException):  # while the master is gone the page goes on
+            self._look_at_settings()
+
+    def _look_at_settings(self) -> None:
+        """Take in the parameters.
+
+        Raises:
+            OSError: The master is gone; what was read before stays.
+        """
         self._theatre.limits = Limits(
             tension=_setting(f"{SETTINGS}/controller/tension/limit"),
             rcm=_setting(f"{SETTINGS}/rcm/measured_tolerance"),
@@ -122,11 +137,6 @@ class DisplayNode:
             self._theatre.see_free_space(int(values["free space [B]"]) or None)
 
 
-def _is_connected(topic: rospy.Subscriber) -> bool:
-    """Whether a publisher is there; the connection to a killed one stays, without its socket."""
-    return any(connection.socket is not None for connection in topic.impl.connections)
-
-
 def _setting(name: str) -> float | None:
     value = rospy.get_param(name, None)
     return float(value) if isinstance(value, int | float) else None
@@ -147,13 +157,18 @@ async def serve(config: DisplayConfig) -> None:
     """Serve the page until ROS shuts down.
 
     Raises:
-        OSError: The address cannot be had.
+        NotServedError: The address cannot be had.
     """
     theatre = Theatre(config.old_after, time.monotonic, time.time)
     token = AccessToken(time.monotonic)
     node = DisplayNode(theatre)
     acts = RosActs(theatre, Endoscope(config.picture, node.known))
-    async with DisplayServer(config, theatre, acts, token, rospy.logerr) as server:
+    server = DisplayServer(config, theatre, acts, token, rospy.logerr)
+    async with AsyncExitStack() as stack:
+        try:
+            await stack.enter_async_context(server)
+        except OSError as error:
+            raise NotServedError(f"the page cannot be served: {error}") from error
         pictures = Pictures(config.picture, theatre, lambda: len(server.viewers) > 0)
         # printed, not logged: what is logged is recorded
         print(f"operator's page: {server.address}   token: {token.text}", flush=True)
@@ -175,6 +190,6 @@ def main() -> None:
         believed_config(rospy.get_param("~believed", None))
     try:
         asyncio.run(serve(config))
-    except OSError as error:
-        rospy.logfatal("the page cannot be served: %s", error)
+    except NotServedError as error:
+        rospy.logfatal("%s", error)
         sys.exit(2)

@@ -3,27 +3,21 @@
 
 from __future__ import annotations
 
-import socket
-import struct
 import threading
 import time
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
-from io import BytesIO
 from queue import Empty, Queue
-from typing import TypeVar
 
 import rospy
 
 from rst_control.srv import Command, CommandRequest
 from voice_assist.intent.dialogue import Answered
+from voice_assist.ros.service_calls import drop, in_time, timely
 
 SERVICE = "rst_control/command"
 _IDLE = 1.0  # [s] between checks that the controller is there
 _MISSING = "the robot's controller is missing"
-_AT_ONCE = struct.pack("ii", 1, 0)  # SO_LINGER: what is not delivered yet is thrown away
-T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -31,22 +25,6 @@ class _Request:
     command: str
     may_repeat: bool
     send_by: float  # [s] steady clock; after it the speaker has been notified of the failure
-
-
-class _TimelyRequest(CommandRequest):
-    """A request that is refused after its deadline, however long connecting took."""
-
-    send_by = float("inf")  # [s] steady clock
-
-    def serialize(self, buff: BytesIO) -> None:
-        """Write it.
-
-        Raises:
-            rospy.ServiceException: It is too late.
-        """
-        if time.monotonic() > self.send_by:
-            raise rospy.ServiceException("too late to be sent")
-        super().serialize(buff)
 
 
 class CommandClient:
@@ -98,7 +76,7 @@ class CommandClient:
 
     def _check_controller(self) -> None:
         name = rospy.resolve_name(SERVICE)
-        found = self._in_time(lambda: rospy.get_master().lookupService(name)[0] == 1)
+        found = in_time(lambda: rospy.get_master().lookupService(name)[0] == 1, self._within)
         self.trouble = "" if found else f"{_MISSING}: no service {name}"
 
     def _ask(self, request: _Request) -> Answered:
@@ -113,43 +91,14 @@ class CommandClient:
         """One attempt; None: no connection, or no answer in time, and nothing comes later."""
         proxy = self._proxy or rospy.ServiceProxy(SERVICE, Command, persistent=True)
         self._proxy = proxy
-        timely = _TimelyRequest(request.command)
-        timely.send_by = request.send_by
+        asked = timely(CommandRequest, request.send_by)(request.command)
 
         def ask() -> Answered:
-            reply = proxy(timely)
+            reply = proxy(asked)
             return Answered(request.command, bool(reply.accepted), reply.message)
 
-        answered = self._in_time(ask)
+        answered = in_time(ask, self._within)
         if answered is None:
             self._proxy = None
-            _drop(proxy)
+            drop(proxy)
         return answered
-
-    def _in_time(self, work: Callable[[], T]) -> T | None:
-        """What a thread of its own finds; None: an error of the network, or not in time."""
-        box: Queue[T | None] = Queue(1)
-
-        def run() -> None:
-            try:
-                box.put(work())
-            except (rospy.ServiceException, rospy.ROSException, OSError):
-                box.put(None)
-
-        threading.Thread(target=run, name="call", daemon=True).start()
-        try:
-            return box.get(timeout=self._within)
-        except Empty:
-            return None
-
-
-def _drop(proxy: rospy.ServiceProxy) -> None:
-    """Close so that a command that the network still holds back is never delivered.
-
-    Closed as usual, TCP would go on for minutes to deliver what it had been given.
-    """
-    transport = proxy.transport
-    if transport is not None and transport.socket is not None:
-        with suppress(OSError, AttributeError):  # it is closed by now
-            transport.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _AT_ONCE)
-    proxy.close()

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The viewer says when nobody tells it of alarms; the node's log tells tones from answers."""
+
+from types import SimpleNamespace
+
+import pytest
+import rospy
+
+from typed_config import load_yaml
+from voice_assist.alarms.screen import NO_WORD
+from voice_assist.alarms.types import Kind
+from voice_assist.config import CONFIG_DIR
+from voice_assist.msg import Alarm
+from voice_assist.ros.alarms import node as alarm_node
+from voice_assist.ros.alarms.viewer import Lines, Viewer
+
+
+class View:
+    """Keeps what it is told."""
+
+    def __init__(self):
+        self.seen = []
+
+    def show(self, alarm, is_acknowledged, others):
+        self.seen.append("well" if alarm is None else alarm.cause)
+
+    def lose(self):
+        self.seen.append("lost")
+
+
+@pytest.fixture
+def links(monkeypatch):
+    """Connections of the viewer's topic."""
+    links = []
+    topic = SimpleNamespace(impl=SimpleNamespace(connections=links))
+    monkeypatch.setattr(rospy, "Subscriber", lambda *_: topic)
+    return links
+
+
+def test_without_an_alarm_node_the_viewer_knows_nothing(links):
+    view = View()
+    viewer = Viewer(view)
+    for _ in range(3):
+        viewer.look()
+    assert view.seen == ["lost"]  # said once
+
+
+def test_an_alarm_node_that_died_is_noticed_and_one_that_is_back_counts(links):
+    view = View()
+    viewer = Viewer(view)
+    links.append(SimpleNamespace(socket=object()))
+    viewer.look()
+    assert view.seen == []
+    viewer._take(Alarm())
+    viewer.look()
+    links[0].socket = None  # as rospy leaves the connection to a killed node
+    viewer.look()
+    viewer.look()
+    links.append(SimpleNamespace(socket=object()))
+    viewer.look()
+    viewer._take(Alarm(kind=Kind.STOP.value, priority=2, cause="stopped by voice"))
+    viewer.look()
+    assert view.seen == ["well", "lost", "stopped by voice"]
+
+
+def test_lines_tell_no_alarm_from_no_word(capsys):
+    lines = Lines()
+    lines.lose()
+    lines.show(None, False, ("one more",))
+    assert capsys.readouterr().out.splitlines() == [NO_WORD, "no alarm; one more"]
+
+
+def test_the_log_of_a_missing_answer_claims_nothing_of_the_tones(monkeypatch):
+    logged = []
+    for name in ("logwarn", "loginfo"):
+        monkeypatch.setattr(rospy, name, lambda words, *parts: logged.append(words % parts))
+    alarm_node._say_sound("no device")
+    alarm_node._say_sound("")
+    alarm_node._say_unspoken("no answer is spoken: espeak-ng is missing")
+    assert logged == [
+        "alarms are seen, not heard: no device",
+        "alarms are heard again",
+        "no answer is spoken: espeak-ng is missing",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("file", "phrase"),
+    [(None, "hey robot"), ("commands.yaml", "hey robot"), ("commands_de.yaml", "hallo roboter")],
+)
+def test_the_board_knows_how_the_robot_is_woken_also_without_the_parameter(
+    monkeypatch, file, phrase
+):
+    given = load_yaml(CONFIG_DIR / file) if file else None
+    monkeypatch.setattr(rospy, "get_param", lambda name, default: given or default)
+    boards = []
+
+    def board(config, wakes):
+        boards.append(wakes)
+        raise LookupError  # the rest of the node needs ROS
+
+    monkeypatch.setattr(alarm_node, "Board", board)
+    with pytest.raises(LookupError):
+        alarm_node.AlarmNode(SimpleNamespace(board=None), alarm_node._load_commands())
+    assert boards == [{phrase}]
+
+
+def test_answers_have_a_log_of_their_own(monkeypatch):
+    made = []
+    node = object.__new__(alarm_node.AlarmNode)
+    node._config = SimpleNamespace(
+        sound=SimpleNamespace(is_enabled=True), speech=SimpleNamespace(quiet_after_stop=1.0)
+    )
+    node._output, node._answers = object(), object()
+    monkeypatch.setattr(alarm_node, "Player", lambda *parts: made.append(parts))
+    node._make_player(SimpleNamespace(enter_context=lambda one: one))
+    assert alarm_node._say_sound in made[0] and alarm_node._say_unspoken in made[0]

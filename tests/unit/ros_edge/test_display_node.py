@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The page outlives the master and a controller that hangs; only a taken address ends it."""
+
+import asyncio
+import threading
+import time
+from contextlib import nullcontext
+from types import SimpleNamespace
+
+import pytest
+import rospy
+
+from rst_control.srv import CommandResponse
+from typed_config import load_file, load_yaml
+from voice_assist.config import CONFIG_DIR
+from voice_assist.config.display import FILE, DisplayConfig
+from voice_assist.display.theatre import Limits, Theatre
+from voice_assist.ros.display import acts as acts_module
+from voice_assist.ros.display import node as node_module
+from voice_assist.ros.display.acts import RosActs
+from voice_assist.ros.display.node import DisplayNode, NotServedError
+
+CONFIG = load_file(DisplayConfig, FILE)
+GIVEN = {
+    "controller/controller/tension/limit": 2.4,
+    "controller/rcm/measured_tolerance": 0.001,
+    "voice_assist/recognizer/ask/answer_within": 3,
+    "voice_assist/commands": load_yaml(CONFIG_DIR / "commands.yaml"),
+}
+
+
+@pytest.fixture
+def node():
+    node = object.__new__(DisplayNode)
+    node._theatre = Theatre(0.5, time.monotonic, time.time)
+    node.known = SimpleNamespace(publish_status=lambda: None)
+    node._alarm = SimpleNamespace(impl=SimpleNamespace(connections=[]))
+    return node
+
+
+@pytest.mark.parametrize(
+    "error", [ConnectionRefusedError(), TimeoutError(), rospy.ROSException("strange")]
+)
+def test_while_the_master_is_gone_what_was_read_stays(monkeypatch, node, error):
+    monkeypatch.setattr(rospy, "get_param", lambda name, default: GIVEN.get(name, default))
+    node.look_again()
+    limits, rules = node._theatre.limits, node._theatre.rules
+    assert limits == Limits(2.4, 0.001) and rules
+
+    def fail(name, default):
+        raise error
+
+    monkeypatch.setattr(rospy, "get_param", fail)
+    node.look_again()
+    assert (node._theatre.limits, node._theatre.rules) == (limits, rules)
+    assert node._theatre.answer_within == 3.0
+
+
+def test_a_master_that_is_back_is_read_again(monkeypatch, node):
+    answers = iter([ConnectionRefusedError()])
+
+    def read(name, default):
+        if (error := next(answers, None)) is not None:
+            raise error
+        return GIVEN.get(name, default)
+
+    monkeypatch.setattr(rospy, "get_param", read)
+    node.look_again()
+    assert node._theatre.limits == Limits()
+    node.look_again()
+    assert node._theatre.limits == Limits(2.4, 0.001)
+
+
+class Server:
+    """In place of the server: its start may fail."""
+
+    address, viewers = "http://127.0.0.1:1", ()
+
+    def __init__(self, *_):
+        self.error = None
+
+    async def __aenter__(self):
+        raise OSError("Address already in use")
+
+    async def __aexit__(self, *_):
+        pass
+
+
+class StartedServer(Server):
+    async def __aenter__(self):
+        return self
+
+
+def served(monkeypatch, server):
+    """Serve with a node whose look at the system fails."""
+
+    def fail():
+        raise ConnectionRefusedError("later")
+
+    known = SimpleNamespace(known=None, look_again=fail)
+    for name in ("Endoscope", "RosActs", "Pictures"):
+        monkeypatch.setattr(node_module, name, lambda *_: None)
+    monkeypatch.setattr(node_module, "DisplayNode", lambda _: known)
+    monkeypatch.setattr(node_module, "DisplayServer", server)
+    for name in ("set_param", "loginfo"):
+        monkeypatch.setattr(rospy, name, lambda *_: None)
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: False)
+    asyncio.run(node_module.serve(CONFIG))
+
+
+def test_only_the_start_of_the_server_says_that_the_page_cannot_be_served(monkeypatch):
+    with pytest.raises(NotServedError, match="the page cannot be served: Address already in use"):
+        served(monkeypatch, Server)
+    with pytest.raises(ConnectionRefusedError, match="later"):
+        served(monkeypatch, StartedServer)
+
+
+@pytest.mark.parametrize(
+    ("error", "ends"), [(NotServedError("no address"), SystemExit), (OSError("later"), OSError)]
+)
+def test_only_an_address_that_cannot_be_had_ends_the_node_for_good(monkeypatch, error, ends):
+    async def serve(config):
+        raise error
+
+    logged = []
+    monkeypatch.setattr(node_module, "serve", serve)
+    monkeypatch.setattr(node_module, "starting", lambda *_, **__: nullcontext())
+    monkeypatch.setattr(node_module, "private_settings", lambda *_: CONFIG)
+    monkeypatch.setattr(node_module.os, "setpriority", lambda *_: None)
+    monkeypatch.setattr(rospy, "get_param", lambda name, default: default)
+    monkeypatch.setattr(rospy, "logfatal", lambda words, *parts: logged.append(words % parts))
+    with pytest.raises(ends) as ended:
+        node_module.main()
+    assert getattr(ended.value, "code", None) == (2 if ends is SystemExit else None)
+    assert logged == (["no address"] if ends is SystemExit else [])
+
+
+@pytest.fixture
+def acts(monkeypatch):
+    monkeypatch.setattr(acts_module, "WITHIN", 0.05)
+    monkeypatch.setattr(rospy, "Publisher", lambda *_, **__: None)
+    monkeypatch.setattr(rospy, "wait_for_service", lambda name, within: None)
+    return RosActs(Theatre(0.5, time.monotonic, time.time), None)
+
+
+class Proxy:
+    """A service that answers at once, or once it thaws."""
+
+    def __init__(self, thaws):
+        self.thaws, self.transport, self.closed = thaws, None, 0
+        self.asked = threading.Event()
+        self.refusal = None
+
+    def __call__(self, request):
+        self.thaws.wait(60.0)
+        try:
+            request.serialize(SimpleNamespace(write=lambda data: None))
+        except rospy.ServiceException as refusal:
+            self.refusal = refusal
+        self.asked.set()
+        return CommandResponse(True, "stops", "")
+
+    def close(self):
+        self.closed += 1
+
+
+def test_a_service_that_hangs_is_given_up_in_time_and_not_asked_later(monkeypatch, acts):
+    thaws = threading.Event()
+    proxy = Proxy(thaws)
+    monkeypatch.setattr(rospy, "ServiceProxy", lambda *_, **__: proxy)
+    began = time.monotonic()
+    outcome = acts.stop()
+    assert time.monotonic() - began < 10.0
+    assert (outcome.is_done, outcome.words) == (False, "the controller does not answer")
+    assert proxy.closed == 1
+    thaws.set()
+    assert proxy.asked.wait(10.0)
+    assert "too late" in str(proxy.refusal)
+
+
+def test_a_service_that_answers_in_time_is_asked_once(monkeypatch, acts):
+    monkeypatch.setattr(acts_module, "WITHIN", 60.0)
+    thaws = threading.Event()
+    thaws.set()
+    proxy = Proxy(thaws)
+    monkeypatch.setattr(rospy, "ServiceProxy", lambda *_, **__: proxy)
+    outcome = acts.stop()
+    assert outcome.is_done and proxy.closed == 1 and proxy.refusal is None
+
+
+def test_a_service_that_is_not_there_is_not_asked(monkeypatch, acts):
+    def fail(name, within):
+        raise rospy.ROSException("timeout exceeded")
+
+    proxy = Proxy(threading.Event())
+    monkeypatch.setattr(rospy, "wait_for_service", fail)
+    monkeypatch.setattr(rospy, "ServiceProxy", lambda *_, **__: proxy)
+    assert acts.stop().words == "the controller does not answer"
+    assert not proxy.asked.is_set()
