@@ -53,6 +53,22 @@ def test_another_format_that_is_reported_is_named_and_never_heard(reported, name
     assert "allowed: 1 x 16000 Hz S16LE wave; it is not heard" in results[0]
 
 
+@pytest.mark.parametrize("drift", [2e-4, -2e-4])
+def test_a_clock_that_is_a_little_off_loses_nothing_in_an_hour(drift):
+    stream = UnstampedStream(CONFIG)
+    stream.inform(1, 16000, "S16LE", "WAVE")
+    blocks = taken(stream, 3600.0, every=TICK * (1.0 + drift))
+    assert sum(block.lost for block in blocks) == 0.0
+
+
+def test_what_is_lost_on_the_way_is_lost_also_where_the_clock_is_off():
+    stream = UnstampedStream(CONFIG)
+    stream.inform(1, 16000, "S16LE", "WAVE")
+    taken(stream, 60.0, every=TICK * 1.0002)
+    block = stream.take(SOUND, 100.0 + 60.0 + 1.0)
+    assert block.lost == pytest.approx(1.0, abs=0.05)
+
+
 @pytest.mark.parametrize(
     ("bytes_per_second", "ratio"),
     [(16_000, "0.50"), (64_000, "2.00"), (88_200, "2.76")],

@@ -229,6 +229,8 @@ def test_lost_sound_is_reported_and_the_rest_of_a_sentence_does_not_move():
     events = run(pipeline, clock, [*first, *rest])
     assert [e.samples for e in events if isinstance(e, Lost)] == [lost]
     assert commands(events) == []
+    at = next(i for i, e in enumerate(events) if isinstance(e, Lost))
+    assert events[at - 1] == Partial("", events[at].stamp)  # what was shown is taken back
 
 
 def test_after_lost_sound_and_quiet_commands_count_again():

@@ -161,8 +161,41 @@ def test_otherwise_a_word_that_is_nearly_a_stop_does_nothing(text, is_moving, sc
     assert commands(nearly_said(text, is_moving, score, **rest)) == []
 
 
-def test_a_command_in_motion_is_no_stop_that_was_nearly_said():
-    assert commands(nearly_said("pull more", True, 9.0)) != ["stop"]
+@pytest.mark.parametrize("command", ["tense", "release", "terminate", "pull more"])
+def test_a_command_in_motion_is_no_stop_that_was_nearly_said(command):
+    assert commands(nearly_said(command, True, -CONFIG.nearly_said + 0.5)) != ["stop"]
+
+
+def test_a_correction_in_the_same_breath_as_a_motion_may_be_nearly_said():
+    assert commands(nearly_said("pull more 0.25 mumble", True, 0.0)) == ["pull more", "stop"]
+
+
+def test_other_languages_have_no_score_by_which_a_stop_is_nearly_said():
+    """Their scores are no likelihoods: most words are within 4 spreads."""
+    config = load_voice_config(language="de")
+    halt = next(c.phrase for c in config.commands.commands if c.is_halt)
+    recognizer = FakeRecognizer({halt: -3.0})
+    assert commands(hear("mumble", True, recognizer=recognizer, config=config)) == []
+
+
+def test_one_transcript_has_one_vote():
+    """The pass in the pause is asked about twice: when it is made, and when the pause is over."""
+    calls, config = [], load_voice_config(moving__sentence_agreement=2, moving__nearly_said=-1000.0)
+    made = make(Mode.ACTIVE, FakeRecognizer(), config=config)
+    decider = made[0]._decider.stops
+    before = decider.in_motion
+
+    def in_motion(transcript, partial):
+        found = before(transcript, partial)
+        calls.append((transcript, decider._votes))
+        return found
+
+    decider.in_motion = in_motion
+    run(*made, [replace(f, is_moving=True) for f in frames(say("he said mumble stop"))])
+    votes = {}
+    for transcript, count in calls:
+        votes.setdefault(id(transcript), set()).add(count)
+    assert calls and all(len(counts) == 1 for counts in votes.values())
 
 
 @pytest.mark.parametrize("is_moving", [False, True])

@@ -12,7 +12,7 @@ import whisper
 
 from voice_assist.audio.espeak import espeak
 from voice_assist.config import load_voice_config
-from voice_assist.errors import ModelError
+from voice_assist.errors import CommandsError, ModelError
 from voice_assist.recognizer import load_recognizer
 from voice_assist.recognizer.checkpoint import EMBEDDED_PATH
 from voice_assist.types import RATE
@@ -23,6 +23,19 @@ COMMANDS = ("hey robot", "tense", "release", "pull more", "pull less", "stop", "
 @pytest.fixture(scope="module")
 def embedded():
     return load_recognizer()
+
+
+@pytest.mark.parametrize("phrase", ["x-ray on", "Preset 2", "tira más fuerte", "arrêtez"])
+def test_a_phrase_is_scored_in_the_letters_of_the_vocabulary(embedded, phrase):
+    sound = say("light on")
+    scores = embedded.score(sound, [phrase, "light on"])
+    assert set(scores) == {phrase, "light on"}
+    assert scores["light on"] > 0.0 > scores[phrase]
+
+
+def test_a_phrase_without_such_letters_is_refused_by_name(embedded):
+    with pytest.raises(CommandsError, match="'とまれ', allowed: letters a to z"):
+        embedded.score(say("light on"), ["とまれ"])
 
 
 def say(text, voice="en-us+john"):

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import soxr
 
-from tests.unit.voice_assist.support.fake_pipeline import FakeSpotting, decisions, hear
+from tests.unit.voice_assist.support.fake_pipeline import FakeSpotting, decisions, hear, make
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames
 from voice_assist.assembly import make_spotter
 from voice_assist.audio.espeak import espeak
@@ -14,7 +16,7 @@ from voice_assist.errors import CommandsError
 from voice_assist.spotter.features import STEP, Embedder
 from voice_assist.spotter.fusion import StopEvidence, StopFusion
 from voice_assist.spotter.head import CONTEXT
-from voice_assist.spotter.spotter import Spotter
+from voice_assist.spotter.spotter import Spotted, Spotter
 from voice_assist.types import (
     RATE,
     Call,
@@ -50,6 +52,26 @@ def listen(spotter):
         return [s for frame in frames(samples.astype(np.float32)) if (s := spotter(frame))]
 
     return run
+
+
+def test_after_the_clock_was_set_back_it_fires_as_ever():
+    """What it fired half a minute later, by that clock, holds nothing back."""
+    frontend = type("Frontend", (), {"quiet": np.zeros(1), "reset": lambda self: None})()
+    frontend.__class__.__call__ = lambda self, samples: [np.zeros(1)]
+    eager = Spotter(CONFIG, frontend, lambda seen: 9.0, 1)
+    sound = frames(np.zeros(RATE // 4, np.float32))
+    first, second, third = sound[:3]
+    assert eager(replace(first, stamp=1000.0)) is not None
+    assert eager(replace(second, stamp=1000.5)) is None
+    assert eager(replace(third, stamp=970.0)) is not None
+
+
+def test_after_the_clock_was_set_back_a_spotted_stop_is_taken():
+    stops = make()[0]._decider.stops
+    stops._halted_until = 1000.0
+    assert stops.spotted(Spotted(1000.5, 9.0)) is None
+    assert stops.spotted(Spotted(999.9, 9.0)) is None  # the thread of the spotter is a little late
+    assert stops.spotted(Spotted(970.0, 9.0)) is not None
 
 
 def spoken(words, voice="en-us"):

@@ -16,7 +16,7 @@ from voice_assist.profile.loudness import speech_of
 from voice_assist.recognizer.ctc import best_alignment
 from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.mel import SAMPLES_PER_STATE, log_mel
-from voice_assist.recognizer.vocabulary import encode
+from voice_assist.recognizer.vocabulary import encode, spelled
 from voice_assist.training.data import texts, voices
 from voice_assist.training.data.noise import coloured
 from voice_assist.training.data.voices import Engine, Prompt, espeak_variants, speak
@@ -65,7 +65,7 @@ def varied(example: Example, rng: Generator, snr: tuple[float, float] = _SNR) ->
 
 def take_example(samples: Samples, text: str) -> Example:
     """A take without most of the quiet around it."""
-    return Example(speech_of(samples, 0.03), text)
+    return Example(speech_of(samples, 0.03), spelled(text))
 
 
 def broken_off(model: WhisperCtc, example: Example, rng: Generator) -> Example | None:

@@ -123,11 +123,12 @@ class Pipeline:
         if self._config.audio.denoise.mode == "on":
             frame = replace(frame, samples=cleaned)
         partial = self._segmenter(frame, endpoint)
+        if partial is not None:  # before a stop, after which what was said so far counts no more
+            self._decider.stops.hear(partial.utterance.samples)
         if spotted := self._stop_fusion.update(frame):
             events += self._decide_spotted(spotted, partial)
         if partial is None:
             return events
-        self._decider.stops.hear(partial.utterance.samples)
         if self._decoder(partial, frame, frame.stream_end, self._window_alone(frame)):
             events += (*self._transcribed(frame), *self._decide(partial, frame))
             self._forget_noise(partial, frame.stream_end)
@@ -150,8 +151,9 @@ class Pipeline:
         self._detector.reset()
         self._endpointer.reset()
         self._segmenter.break_at(frame.stamp)
+        shown = (Partial("", frame.stamp),) if self._shown else ()
         self._start_utterance()
-        return (Lost(lost, frame.stamp),)
+        return (*shown, Lost(lost, frame.stamp))
 
     def _window_alone(self, frame: Frame) -> float:
         """Length of the last part that is decoded by itself too [s]; 0: none is."""

@@ -78,9 +78,10 @@ class StopDecider:
         self._config, self._recognizer_config = config, config.recognizer
         self._mapper, self._decoder, self._stop_fusion = mapper, decoder, stop_fusion
         self._early_decision, self._stop_in_sound = early_decision, stop_in_sound
-        self.halts = {c.phrase: c for c in config.commands.commands if c.is_halt}
+        self.halts = tuple(c.phrase for c in config.commands.commands if c.is_halt)
         self._halted_until = float("-inf")  # [s] clock time up to which sound has led to a halt
         self._votes = 0  # transcripts in a row with a halt among their words, in motion
+        self._counted: Hypothesis | None = None  # the newest of them
 
     def reset(self) -> None:
         """Forget the stream so far."""
@@ -88,7 +89,7 @@ class StopDecider:
 
     def start_utterance(self) -> None:
         """What is said next belongs to a new utterance."""
-        self._votes = 0
+        self._votes, self._counted = 0, None
         self.start_sound()
 
     def start_sound(self) -> None:
@@ -113,7 +114,9 @@ class StopDecider:
         know, enough transcripts in a row must hold it.
         """
         written = self._written_among(transcript)
-        self._votes = self._votes + 1 if written else 0
+        if transcript is not self._counted:  # asked about again, it has no second vote
+            self._counted = transcript
+            self._votes = self._votes + 1 if written else 0
         if written is None:
             return None
         phrase, heard = written
@@ -140,7 +143,8 @@ class StopDecider:
         2. The last part of the sound says it over the robot's own voice. In motion, where a
            spotter over talk listens, `in_motion` asks both.
         3. The spotter is sure of it, where the transcript names no command.
-        4. In motion, where nothing else was said: a word that sounds nearly like it.
+        4. In motion, where no command is written and nothing else was said: a word that sounds
+           nearly like it.
 
         The spotter alone stops by `spotted`.
         """
@@ -162,7 +166,8 @@ class StopDecider:
 
     def spotted(self, spotted: Spotted) -> Verdict | None:
         """The stop that the spotter fired alone; None: the recogniser was quicker."""
-        if spotted.time - self._halted_until < self._config.spotter.rearm_after:
+        since = abs(spotted.time - self._halted_until)  # also after the clock was set back
+        if since < self._config.spotter.rearm_after:
             return None
         transcript = self._decoder.transcript or Hypothesis("", 0.0, 0.0)
         match = Match(self._stop_fusion.phrase, self._mapper(transcript.text).wer)
@@ -240,11 +245,15 @@ class StopDecider:
         """A halt that is little less likely than what was written instead, in motion.
 
         Noise makes "stuff" of a "stop". In a sentence such a word is none, so no more words than
-        the halt's may be written.
+        the halt's may be written. It may be a correction in the same breath as a motion, or what is
+        left of talk that was cut: in doubt the robot holds. Other languages have no such score.
         """
         is_asked = context.is_moving and self._recognizer_config.second_opinion
-        is_first = not self._early_decision.has_decided
-        if not (is_asked and is_first and self._decoder.is_settled(partial)):
+        has_score = not self._config.is_multilingual
+        if not (is_asked and has_score and self._decoder.is_settled(partial)):
+            return None
+        named = self._mapper(transcript.text)
+        if isinstance(named, Match) and named.command not in self.halts:
             return None
         count = len(self._mapper.words(transcript.text))
         halts = [p for p in self.halts if 1 <= count <= len(normalize(p))]
@@ -254,6 +263,6 @@ class StopDecider:
         phrase = max(halts, key=scores.__getitem__)
         if scores[phrase] < -self._config.moving.nearly_said:
             return None
-        match = Match(phrase, self._mapper(transcript.text).wer)
+        match = Match(phrase, named.wer)
         worth = self._recognizer_config.confidence.scores(scores[phrase])
         return Verdict(match, transcript, worth, RECOGNIZER)

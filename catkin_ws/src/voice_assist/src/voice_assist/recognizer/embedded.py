@@ -18,7 +18,15 @@ from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.recognizer import LONGEST, SHORTEST, drop_hallucination, is_same
 from voice_assist.recognizer.scoring import ctc_likelihoods, decoder_likelihoods, ratios
 from voice_assist.recognizer.verification import BLOCKS, PhraseVerifier
-from voice_assist.recognizer.vocabulary import END, NO_SPEECH, PROMPT, WHISPER_IDS, decode, encode
+from voice_assist.recognizer.vocabulary import (
+    END,
+    NO_SPEECH,
+    PROMPT,
+    WHISPER_IDS,
+    decode,
+    encode,
+    spelled,
+)
 from voice_assist.types import RATE, Hypothesis, IsHopeless, Samples, never_hopeless
 
 EMBEDDING = "decoder.token_embedding.weight"
@@ -86,15 +94,17 @@ class EmbeddedRecognizer:
         """
         if not is_audible(samples):
             return dict.fromkeys(phrases, float("-inf"))
+        spelt = {phrase: spelled(phrase) for phrase in phrases}
         with torch.inference_mode():
             heard = self._listen(samples)
             written = self._decode(heard.states, heard.draft, never_hopeless).text
-            texts = list(dict.fromkeys([*phrases, "", heard.draft.strip(), written]))
+            texts = list(dict.fromkeys([*spelt.values(), "", heard.draft.strip(), written]))
             read = decoder_likelihoods(self.model, heard.states, texts).tolist()
             aligned = ctc_likelihoods(heard.ctc.cpu(), texts).tolist()
-        decoder = ratios(dict(zip(texts, read, strict=True)), phrases)
-        head = ratios(dict(zip(texts, aligned, strict=True)), phrases)
-        return {p: (1.0 - CTC_SHARE) * decoder[p] + CTC_SHARE * head[p] for p in phrases}
+        decoder = ratios(dict(zip(texts, read, strict=True)), list(spelt.values()))
+        head = ratios(dict(zip(texts, aligned, strict=True)), list(spelt.values()))
+        share = CTC_SHARE
+        return {p: (1.0 - share) * decoder[s] + share * head[s] for p, s in spelt.items()}
 
     def verify(self, samples: Samples, phrase: str) -> float:
         """The verifier's log-odds; see Recognizer."""

@@ -8,6 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from voice_assist.errors import CommandsError
+from voice_assist.text.normalize import normalize
+
 N_VOCAB = 51864  # of Whisper's English-only models
 CHARACTERS = " 'abcdefghijklmnopqrstuvwxyz"  # each is one token of Whisper's
 BLANK = len(CHARACTERS)  # of the CTC head, whose classes are CHARACTERS + blank
@@ -33,6 +36,18 @@ def encode(text: str) -> list[int]:
         KeyError: A character is not in CHARACTERS.
     """
     return [_IDS[character] for character in text]
+
+
+def spelled(phrase: str) -> str:
+    """A phrase in the letters of the vocabulary: "x-ray 2" is "x ray two", "más" is "mas".
+
+    Raises:
+        CommandsError: It has others, such as kana.
+    """
+    text = " ".join(normalize(phrase))
+    if not text or not set(text) <= set(CHARACTERS):
+        raise CommandsError("phrase", phrase, "letters a to z for this recogniser")
+    return text
 
 
 def decode(ids: Sequence[int]) -> str:

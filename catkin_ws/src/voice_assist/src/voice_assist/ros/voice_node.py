@@ -225,7 +225,8 @@ class VoiceNode:
 
         The pipeline takes the spotted word later.
         """
-        if _now() - self._robot.stopped >= self._config.spotter.rearm_after:
+        since = abs(_now() - self._robot.stopped)  # also after the clock was set back
+        if since >= self._config.spotter.rearm_after:
             self._robot.stop()
         rospy.loginfo("the spotter heard %r: %.1f nat", self._config.spotter.phrase, spotted.score)
 

@@ -149,6 +149,7 @@ class Spotter:
             self._scores.append(SpotterScore(time, score, self._next_sample or 0))
         if score < (self._alone_in_motion if frame.is_moving else self._config.alone):
             return None
-        is_latched = time < self._latched_until
+        left = self._latched_until - time
+        is_latched = 0.0 < left <= self._config.rearm_after  # more: the clock was set back
         self._latched_until = time + self._config.rearm_after
         return None if is_latched else Spotted(time, score)
