@@ -171,9 +171,8 @@ class Cases:
         return self._usual(self._motion(), Reason.FAULTED, fault="joint_3 is blocked")
 
     def _restless(self) -> Case:
-        speed = np.zeros(10)
-        speed[self._rng.integers(10)] = self._rng.choice([-1, 1]) * self._rng.uniform(0.011, 1.0)
-        return self._usual(Asked("hey robot"), Reason.NOT_AT_REST, velocity=speed)
+        """Braking, after which it is active or in standby."""
+        return self._usual(self._motion(), Reason.NOT_AT_REST, state=State.STOPPING)
 
     def _empty(self) -> Case:
         words = MOTIONS[self._rng.integers(1, 4)]

@@ -4,11 +4,13 @@
 import numpy as np
 import pytest
 
+from rst_control.admission.command_queue import CommandQueue
 from rst_control.admission.first_motion_gate import VALID_FOR, FirstMotion
 from rst_control.commands.request import Accepted, Plan, Situation
 from rst_control.commands.table import COMMANDS
 from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.types import Measurement, Reason, Rejected
+from tests.unit.rst_control.support.executor_rig import Rig
 from tests.unit.rst_control.support.situations import mode_of, request
 
 STILL = np.zeros(10)
@@ -36,6 +38,11 @@ class Asked:
 
     def say(self, words, position=STILL):
         return self.first(request(words), at(position))
+
+    def set_off(self, words):
+        decision = self.say(words)
+        assert isinstance(decision, Accepted)
+        decision.started()
 
 
 @pytest.fixture
@@ -65,10 +72,50 @@ def test_what_is_refused_anyway_keeps_its_reason(asked):
 def test_confirmed_it_goes_and_nothing_asks_any_more(asked):
     asked.say("tense")
     assert asked.first.confirm().accepted
-    assert isinstance(asked.say("tense"), Accepted)
+    asked.set_off("tense")
     assert asked.shown[-1] is None
     assert isinstance(asked.say("release", STILL + 1.0), Accepted)
     assert not asked.first.confirm().accepted
+
+
+def test_until_what_was_confirmed_has_set_off_it_alone_may_come_again(asked):
+    asked.say("tense")
+    asked.first.confirm()
+    assert isinstance(asked.say("tense"), Accepted)
+    assert isinstance(asked.say("tense"), Accepted)  # verified again: the situation had changed
+    assert asked.say("release").reason is Reason.NOT_CONFIRMED
+    assert asked.say("tense").reason is Reason.NOT_CONFIRMED
+    assert asked.first.confirm().accepted
+
+
+def test_what_was_confirmed_is_shown_again_where_the_trocar_changes_before_it_sets_off(asked):
+    asked.say("tense")
+    asked.first.confirm()
+    assert isinstance(asked.say("tense"), Accepted)
+    asked.context = object()
+    assert asked.say("tense").reason is Reason.NOT_CONFIRMED
+
+
+@pytest.mark.parametrize("is_stopped", [True, False])
+def test_a_confirmed_motion_that_a_stop_outruns_frees_no_other(is_stopped):
+    rig = Rig().awake()
+    first = FirstMotion(rig.context.verify, lambda plan: None, lambda: rig.now, lambda: rig.context)
+    rig.queue = CommandQueue(rig.executor, first, lambda: rig.now)
+    assert "dry run" in rig.refused("tense")
+    assert first.confirm().accepted
+    pending = rig.queue.take("tense", "test")
+    rig.queue.check(rig.queue.next(0.0))
+    if is_stopped:
+        rig.queue.take("stop", "test")
+    rig.run(0.01)
+    assert pending.reply.result(0).accepted is not is_stopped
+    rig.say("stop")
+    rig.rest()
+    rig.say("hey robot")
+    if is_stopped:
+        assert "dry run" in rig.refused("withdraw")
+    else:
+        rig.say("withdraw")
 
 
 def test_nothing_can_be_confirmed_before_it_was_shown(asked):

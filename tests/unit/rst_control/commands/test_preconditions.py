@@ -8,7 +8,7 @@ from rst_control.commands.preconditions import Preconditions, mode_refusal
 from rst_control.commands.request import Situation
 from rst_control.commands.table import COMMANDS
 from rst_control.kinematics.configuration import robot_joints
-from rst_control.types import Reason, State
+from rst_control.types import ControllerMode, Reason, State
 from tests.unit.rst_control.support.situations import NOW, measurement, mode_of, situation
 
 MOTIONS = [COMMANDS["tense"], COMMANDS["release"], COMMANDS["pull more"], COMMANDS["pull less"]]
@@ -31,17 +31,12 @@ def test_once_halted_nothing_moves_and_the_reason_is_told(joints, command):
     assert "hey robot" in refusal.words
 
 
-@pytest.mark.parametrize("command", [*MOTIONS, COMMANDS["hey robot"]])
+@pytest.mark.parametrize("command", MOTIONS)
 def test_a_robot_that_never_spoke_or_was_lost_is_named(conditions, joints, command):
     silent = Situation(measurement=None, now=NOW, mode=mode_of())
     assert reason_of(conditions.refusal(command, silent)) is Reason.NOT_CONNECTED
     lost = situation(joints, connected=False)
     assert reason_of(conditions.refusal(command, lost)) is Reason.NOT_CONNECTED
-
-
-@pytest.mark.parametrize("command", [COMMANDS["stop"], COMMANDS["terminate"]])
-def test_stop_and_terminate_need_no_robot(conditions, command):
-    assert conditions.refusal(command, Situation(measurement=None, now=NOW)) is None
 
 
 def test_stale_joint_states_are_refused_with_their_age(conditions, joints):
@@ -58,18 +53,13 @@ def test_a_fault_is_told_in_its_own_words(conditions, joints):
     assert "joint_4 blocked" in refusal.words
 
 
-def test_hey_robot_waits_until_the_robot_rests(conditions, joints):
-    refusal = conditions.refusal(COMMANDS["hey robot"], situation(joints, speed=0.05))
+@pytest.mark.parametrize("command", MOTIONS)
+def test_while_the_robot_brakes_to_be_active_again_a_motion_waits_until_it_rests(command):
+    braking = ControllerMode(State.STOPPING, is_active=True, mode_after=State.ACTIVE)
+    refusal = mode_refusal(command, braking)
     assert refusal.reason is Reason.NOT_AT_REST
-    assert "0.050 rad/s" in refusal.words
-    assert conditions.refusal(COMMANDS["hey robot"], situation(joints, speed=0.001)) is None
-
-
-def test_hey_robot_in_mid_motion_disturbs_nothing_but_clears_no_halt(conditions, joints):
-    moving = situation(joints, is_moving=True, speed=0.05)
-    assert conditions.refusal(COMMANDS["hey robot"], moving) is None
-    braking = situation(joints, is_moving=True, speed=0.05, halt_reason="stop")
-    assert reason_of(conditions.refusal(COMMANDS["hey robot"], braking)) is Reason.NOT_AT_REST
+    assert "braking" in refusal.words
+    assert mode_refusal(command, replace(braking, state=State.ACTIVE)) is None
 
 
 def test_a_shaft_measured_off_the_trocar_is_refused_with_the_distance(conditions, home):
@@ -78,6 +68,17 @@ def test_a_shaft_measured_off_the_trocar_is_refused_with_the_distance(conditions
     refusal = conditions.refusal(COMMANDS["tense"], situation(robot_joints(off, 0.0)))
     assert refusal.reason is Reason.RCM_TOLERANCE
     assert "allowed 1000.00 um" in refusal.words
+
+
+def test_jaws_that_hold_tissue_may_be_opened_with_the_shaft_off_the_trocar(conditions, home):
+    off = home.copy()
+    off[3] += 0.01
+    holding = situation(robot_joints(off, 0.0), gripped=True)
+    assert conditions.refusal(COMMANDS["release"], holding) is None
+    for words in ("pull more", "pull less"):
+        assert reason_of(conditions.refusal(COMMANDS[words], holding)) is Reason.RCM_TOLERANCE
+    empty = situation(robot_joints(off, 0.0))
+    assert reason_of(conditions.refusal(COMMANDS["release"], empty)) is Reason.RCM_TOLERANCE
 
 
 def test_tension_of_a_measurement_is_the_length_of_the_force(joints):

@@ -133,6 +133,17 @@ def test_where_nobody_saw_the_grasp_nothing_is_pulled_by_distance(verify, joints
     refused = verify(request("pull more"), unseen)
     assert refused.reason is Reason.DISPLACEMENT_LIMIT and "release first" in refused.words
     assert isinstance(verify(request("pull less", distance=0.001), unseen), Accepted)
+    too_much = verify(request("pull less", distance=0.003), unseen)
+    assert too_much.reason is Reason.DISPLACEMENT_LIMIT and "release first" in too_much.words
+
+
+def test_no_refusal_speaks_of_a_bound_below_nothing(verify, joints):
+    plan = verify(request("tense"), situation(joints)).plan
+    beyond = replace(held(plan, 0.0), pulled=0.012)  # 2 mm more than allowed without a tension
+    refused = verify(request("pull more"), beyond)
+    assert "allowed 0 to 0.0 mm" in refused.words
+    within = verify(request("pull more", distance=0.003), replace(beyond, pulled=0.008))
+    assert "allowed 0 to 2.0 mm" in within.words
 
 
 # A tension whose gain nobody has checked may read too little all along.
@@ -175,6 +186,9 @@ def test_the_way_counts_from_the_grasp_also_where_the_arm_was_pushed_since(unche
     refused = unchecked(request("pull more"), unseen)
     assert refused.reason is Reason.DISPLACEMENT_LIMIT
     assert "tension.gain is unchecked" in refused.words and "release first" in refused.words
+    assert "release first" in unchecked(request("pull less"), unseen).words
+    eased = unchecked(request("pull less"), replace(held(plan, 0.004, tension=0.5), pulled=np.inf))
+    assert eased.plan.phases[-1].target == 0.004
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from rst_control.commands.request import Accepted
 from rst_control.commands.tense import choose_grasp
-from rst_control.commands.verifier import Verifier
-from rst_control.errors import NoGrasp, OutsideWorkspace
+from rst_control.commands.verifier import Verifier, reason_of
+from rst_control.errors import NoGrasp, OutsideWorkspace, Unreachable
 from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.kinematics.rotations import turned
 from rst_control.planning.plan import PhaseKind
@@ -137,12 +137,24 @@ def test_the_controller_starts_if_any_way_is_free(planner, scene, monkeypatch, f
 def test_where_no_way_is_free_the_refusal_names_the_reason_of_the_best(planner, scene, home):
     far = replace(scene, workspace_radius=0.012)
     chooser = planner_of(planner, far)
-    with pytest.raises(NoGrasp, match=r"of 49 ways .* workspace centre, allowed 12\.0") as caught:
+    with pytest.raises(NoGrasp, match=r"of 12 ways .* workspace centre, allowed 12\.0") as caught:
         choose_grasp(chooser, home)
     assert isinstance(caught.value.reasons[0], OutsideWorkspace)
     decision = Verifier(chooser)(request("tense"), at_home(home))
     assert decision.reason is Reason.WORKSPACE
     assert 'cannot "tense": none of' in decision.words
+
+
+@pytest.mark.parametrize(
+    ("last", "reason"),
+    [(OutsideWorkspace(9.0, 0.1), Reason.WORKSPACE), (Unreachable(0.0, 1.0), Reason.NO_GRASP)],
+)
+def test_the_refusal_counts_all_ways_tried_and_names_the_reasons_of_the_best_three(last, reason):
+    best = [OutsideWorkspace(float(n), 0.1) for n in range(4)]
+    error = NoGrasp((*best, last))
+    assert "none of 5 ways" in str(error)
+    assert [str(cause) in str(error) for cause in error.reasons] == [True] * 3 + [False] * 2
+    assert reason_of(error) is reason
 
 
 def test_tense_is_planned_without_any_direction_in_the_scene(planner, scene, home):

@@ -138,6 +138,17 @@ def test_release_is_never_refused_for_want_of_a_way_out(planner, tensed):
     assert kinds(decision) == [PhaseKind.OPEN]
 
 
+def test_release_with_the_shaft_measured_off_the_trocar_moves_the_jaws_alone(verify, tensed):
+    held = holding(tensed)
+    pushed = held.measurement.position.copy()
+    pushed[3] += 0.01
+    off = replace(held, measurement=replace(held.measurement, position=pushed))
+    assert kinds(verify(request("release"), off)) == [PhaseKind.OPEN]
+    assert kinds(verify(request("release"), replace(off, setpoint=pushed))) == [PhaseKind.OPEN]
+    eases = [PhaseKind.OPEN, PhaseKind.EASE, PhaseKind.EASE]
+    assert kinds(verify(request("release"), held)) == eases
+
+
 def test_pulling_tissue_nobody_remembers_plans_a_new_pull_from_here(verify, tensed):
     decision = verify(request("pull more"), replace(holding(tensed, s=0.005), grasp=None))
     (phase,) = decision.plan.phases
@@ -215,6 +226,17 @@ def test_beyond_the_pull_path_there_is_no_more(verify, tensed):
     assert_refused(decision, Reason.DISPLACEMENT_LIMIT, "33.0 mm")
     decision = verify(request("pull less", distance=0.02), holding(tensed, s=0.01))
     assert_refused(decision, Reason.DISPLACEMENT_LIMIT, "-10.0 mm")
+
+
+def test_with_no_way_back_nothing_is_eased(verify, tensed):
+    anew = replace(holding(tensed, s=0.008), grasp=None)
+    for step in ({}, {"tension": 0.1}, {"distance": 0.001}):
+        decision = verify(request("pull less", **step), anew)
+        assert_refused(decision, Reason.DISPLACEMENT_LIMIT, "pulled -", "allowed 0 to 30.0 mm")
+    stiff = holding(tensed, s=1e-4)
+    assert isinstance(verify(request("pull less"), stiff), Accepted)
+    moving = holding(tensed, s=0.0, is_moving=True)
+    assert isinstance(verify(request("pull less"), moving), Accepted)
 
 
 def test_a_longer_pull_than_the_path_is_refused(verify, joints):

@@ -27,20 +27,28 @@ TENSION = replace(
     tolerance=0.15,
     blind_stiffness=200.0,
 )
+ALLOWED = TENSION.limit / TENSION.blind_stiffness  # [m] before a reading at rest
 RESPONSE = GraspResponse(TENSION, 0.8)  # that never hears of a reading
 
 
 class SpringTissue:
     """Pulled by a run, its tension told late."""
 
-    def __init__(self, stiffness: float, goal: float, start: float = 0.0) -> None:
+    def __init__(
+        self,
+        stiffness: float,
+        goal: float,
+        start: float = 0.0,
+        response: GraspResponse = RESPONSE,
+    ) -> None:
         knots = np.zeros((4, 9))
         knots[:, 0] = np.linspace(0.0, LENGTH, 4)
         path = Path(knots, np.tile([1.0, *[0.0] * 8], (4, 1)), LENGTH)
         phase = Phase(PhaseKind.PULL, path, target=LENGTH, speed=0.02, tension=goal)
         begin = PhaseStart(phase, path, PathState(start), 0.0, BOUNDS, BOUNDS)
-        self.run = GuardedPull(begin, TENSION, RESPONSE)
+        self.run = GuardedPull(begin, TENSION, response)
         self.stiffness, self.now, self.fastest, self.invalid = stiffness, 0.0, 0.0, ""
+        self.bias = 0.0  # [N] told besides
         self._past = [start] * round(TENSION.delay / PERIOD)
 
     @property
@@ -51,7 +59,7 @@ class SpringTissue:
         for _ in range(round(seconds / PERIOD)):
             self.now += PERIOD
             self._past.append(self.run.state.s)
-            told = self.stiffness * self._past.pop(0)
+            told = self.bias + self.stiffness * self._past.pop(0)
             self.run.step(PERIOD, self._measured(told))
             self.fastest = max(self.fastest, abs(self.run.state.speed))
             if self.run.is_done:
@@ -109,3 +117,29 @@ def test_a_tension_that_loses_trust_ends_the_pull_with_the_reason() -> None:
     assert tissue.run.failure.words == "no trusted tension to pull to: torques fit no pull"
     assert tissue.run.is_done
     assert tissue.run.state.s - before < 1e-3
+
+
+def test_a_pull_that_begins_where_a_reading_must_confirm_it_rests_there() -> None:
+    tissue = SpringTissue(50.0, goal=1.0, start=ALLOWED, response=used_up())
+    tissue.pull(0.5)
+    assert tissue.run.state.s == pytest.approx(ALLOWED, abs=1e-6)
+    assert not tissue.run.is_done
+    free = SpringTissue(100.0, goal=1.0, start=0.005)
+    free.pull(0.5)
+    assert free.run.state.s > 0.006
+
+
+def test_easing_where_the_pull_began_is_done_at_once() -> None:
+    tissue = SpringTissue(100.0, goal=0.5)
+    tissue.bias = 0.8
+    tissue.pull(1.0)
+    assert tissue.run.is_done and not tissue.run.is_pulling
+    assert tissue.run.state.s == 0.0
+
+
+def used_up() -> GraspResponse:
+    """Of tissue that was pulled as far as it may be before a reading at rest."""
+    response = GraspResponse(TENSION, 0.8)
+    response.update(0.0, 0.0, 0.0)
+    response.update(PERIOD, ALLOWED, 0.0)
+    return response

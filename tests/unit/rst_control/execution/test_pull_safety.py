@@ -80,3 +80,41 @@ def test_a_step_in_millimetres_on_soft_tissue_goes_exactly_so_far():
     rig.finish("pull more", distance=0.003)
     assert rig.view.path_position - before == pytest.approx(0.003, abs=2e-6)
     assert rig.view.tension_target == 0.0  # placed by distance: no tension to hold
+
+
+def pulled_to_a_tension():
+    rig = Rig(80.0).awake()
+    rig.say("tense", tension=1.0)
+    rig.until(lambda: rig.phase == "pull" and rig.view.path_position > 0.008)
+    assert rig.view.tension < 0.9
+    return rig
+
+
+@pytest.mark.parametrize(("words", "sign"), [("pull more", 1.0), ("pull less", -1.0)])
+def test_a_step_in_millimetres_during_a_pull_to_a_tension_counts_from_the_tip(words, sign):
+    rig = pulled_to_a_tension()
+    begin = rig.view.path_position
+    rig.finish(words, distance=0.002)
+    assert rig.view.path_position == pytest.approx(begin + sign * 0.002, abs=2e-4)
+
+
+def test_a_step_in_millimetres_during_another_counts_from_where_that_one_ends():
+    rig = pulled_to_a_tension()
+    begin = rig.view.path_position
+    rig.say("pull less", distance=0.002)
+    rig.run(0.1)
+    assert rig.view.is_moving
+    rig.finish("pull less", distance=0.001)
+    assert rig.view.path_position == pytest.approx(begin - 0.003, abs=2e-4)
+
+
+def test_verification_takes_the_tissue_as_pulled_as_far_as_the_grasp_says():
+    rig = pulled_to_a_tension()
+    situation = rig.view.situation(rig.now)
+    assert situation.grasp.s == rig.view.path_position
+    assert situation.pulled == pytest.approx(situation.grasp.s, abs=1e-6)
+    rig.say("pull less", distance=0.002)
+    rig.run(0.1)
+    later = rig.view.situation(rig.now)
+    assert later.grasp.s == pytest.approx(situation.grasp.s - 0.002, abs=2e-4)
+    assert later.pulled == pytest.approx(later.grasp.s, abs=1e-6)

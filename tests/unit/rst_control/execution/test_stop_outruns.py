@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A stop is not cleared by a "hey robot" that came before it, though both wait for one tick."""
+"""A "hey robot" clears no stop that came after it, and wakes nobody after a "terminate"."""
+
+import pytest
 
 from rst_control.types import Cause, Reason, State
 from tests.unit.rst_control.support.executor_rig import Rig
@@ -38,3 +40,21 @@ def test_one_that_came_after_the_stop_was_taken_up_clears_it():
     (later,) = asked(rig)
     rig.run(0.01)
     assert later.reply.result(0).accepted and rig.state is State.ACTIVE
+
+
+@pytest.mark.parametrize("is_terminated", [True, False])
+def test_one_that_waits_for_a_fault_to_clear_wakes_nobody_after_terminate(is_terminated):
+    rig = Rig().moving("reach")
+    rig.robot.fault, rig.robot.clears_fault = "brakes on", False
+    rig.robot.hold()
+    rig.rest()
+    (waiting,) = asked(rig)
+    rig.run(0.01)
+    assert not waiting.reply.done()
+    if is_terminated:
+        rig.say("terminate")
+        assert "terminated" in waiting.reply.result(0).message
+    rig.robot.fault = ""
+    rig.run(0.5)
+    assert rig.view.mode.is_active is not is_terminated
+    assert rig.state is (State.FAULTED if is_terminated else State.ACTIVE)

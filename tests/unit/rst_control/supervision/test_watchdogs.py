@@ -74,6 +74,14 @@ def test_the_shaft_may_be_anywhere_only_while_the_whole_robot_is_outside():
     assert "off the trocar" in found.words
 
 
+def test_the_shaft_may_be_off_the_trocar_while_only_the_jaws_open():
+    adrift = off(error=2e-3)
+    assert WATCHDOGS.motion(0.0, measured(), replace(adrift, only_opens=True)) is None
+    assert WATCHDOGS.motion(0.0, measured(), adrift).reason is Reason.OFF_TROCAR
+    faulty = WATCHDOGS.motion(0.0, measured(fault="x"), replace(adrift, only_opens=True))
+    assert faulty.reason is Reason.FAULTED
+
+
 def test_tension_over_its_limit_does_not_keep_the_robot_from_easing_it():
     high = measured(force=np.array([0.0, 0.0, 3.0]))
     assert WATCHDOGS.motion(0.0, high, replace(GOOD, raises_tension=False)) is None

@@ -3,6 +3,10 @@
 
 from __future__ import annotations
 
+from typing import Final
+
+NAMED_REASONS: Final = 3  # in the words of an error that has many
+
 
 class RstError(Exception):
     """Base of everything that this package raises by itself."""
@@ -97,9 +101,12 @@ class NearSingular(Infeasible):
 
 
 class NoGrasp(Infeasible):
-    """None of the ways to take the tissue keeps all limits; the best of them stands first."""
+    """None of the ways that were tried to take the tissue keeps all limits.
 
-    def __init__(self, reasons: tuple[Infeasible, ...], tried: int) -> None:
-        words = "; ".join(dict.fromkeys(str(reason) for reason in reasons))
-        super().__init__(f"none of {tried} ways to take the tissue is free: {words}")
-        self.reasons, self.tried = reasons, tried
+    Its words name some of the reasons, that of the best way first.
+    """
+
+    def __init__(self, reasons: tuple[Infeasible, ...]) -> None:
+        words = "; ".join(dict.fromkeys(str(reason) for reason in reasons[:NAMED_REASONS]))
+        super().__init__(f"none of {len(reasons)} ways to take the tissue is free: {words}")
+        self.reasons = reasons

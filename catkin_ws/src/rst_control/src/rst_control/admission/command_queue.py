@@ -141,7 +141,7 @@ class CommandQueue:
         elif isinstance(decision, Rejected):
             self._refuse(queued.pending, decision)
         else:
-            self._post(queued, decision.plan, view.serial)
+            self._post(queued, decision, view.serial)
 
     def fail(self, queued: QueuedCommand, error: Exception) -> None:
         """Refuse a command whose verification raised."""
@@ -151,7 +151,7 @@ class CommandQueue:
     def _accept(self, queued: QueuedCommand) -> None:
         command = queued.request.command
         if command.plan is None and command.role is not Role.SET_UP:
-            self._post(queued, Plan(command, command.reply), serial=-1)
+            self._post(queued, Accepted(Plan(command, command.reply)), serial=-1)
         else:
             self._queue(queued)
 
@@ -169,16 +169,17 @@ class CommandQueue:
         else:
             self._queue(replace(queued, attempts=queued.attempts + 1))
 
-    def _post(self, queued: QueuedCommand, plan: Plan, serial: int) -> None:
+    def _post(self, queued: QueuedCommand, decision: Accepted, serial: int) -> None:
         order = Order(
-            plan,
+            decision.plan,
             serial,
             queued.is_spoken,
             queued.owner,
             queued.pending.caller,
             claim=queued.pending.reply.set_running_or_notify_cancel,
             reply=queued.pending.answer,
-            stale=(lambda: self._again(queued)) if plan.phases else None,
+            stale=(lambda: self._again(queued)) if decision.plan.phases else None,
+            started=decision.started,
             ended=queued.pending.ended.set_result,
         )
         self._executor.post(order)

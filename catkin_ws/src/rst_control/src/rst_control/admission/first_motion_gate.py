@@ -3,13 +3,14 @@
 
 Until a person has confirmed, every command that would move the robot is planned, verified and
 shown, and then refused. The confirmation is for the command that was shown last, from the place
-where it was shown, towards the same trocar and grasp point, and for a while. Once that command was
-accepted, nothing asks any more.
+where it was shown, towards the same trocar and grasp point, and for a while. Once that motion has
+set off, nothing asks any more.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -61,9 +62,8 @@ class FirstMotion:
         if not plan.phases:
             return decision
         if self._is_confirmed(plan, measured.position, context):
-            self._is_free = True
             self._show(None)
-            return decision
+            return replace(decision, started=self._set_free)
         self._shown, self._confirmed = (plan, measured.position, context), None
         self._show(plan)
         words = ASK.format(command=plan.command_words, words=plan.words)
@@ -78,6 +78,10 @@ class FirstMotion:
         self._confirmed = self._clock()
         command = self._shown[0].command_words
         return Reply(True, f'confirmed: say "{command}" again within {VALID_FOR:.0f} s')
+
+    def _set_free(self) -> None:
+        """From the control loop: only now is it sure that what was shown is carried out."""
+        self._is_free = True
 
     def _is_confirmed(self, plan: Plan, place: Vector, context: object) -> bool:
         if self._shown is None or self._confirmed is None:

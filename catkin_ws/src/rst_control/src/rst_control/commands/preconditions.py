@@ -7,8 +7,9 @@ from rst_control.commands.request import Situation
 from rst_control.commands.spec import CommandSpec, Place, Role, TissueNeeded
 from rst_control.errors import InsertionOutOfRange, TrocarDrift
 from rst_control.kinematics.configuration import planning_joints
+from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.planner import Planner
-from rst_control.robot.health import joint_in_motion, robot_unfit
+from rst_control.robot.health import robot_unfit
 from rst_control.types import NOT_CONNECTED, ControllerMode, Measurement, Reason, Rejected, State
 
 
@@ -42,31 +43,24 @@ class Preconditions:
 
     def __init__(self, planner: Planner) -> None:
         self._patient, self._insertion = planner.patient, planner.config.rcm.insertion
-        self._watchdogs = planner.config.controller.watchdogs
+        self._max_age = planner.config.controller.watchdogs.joint_state_age
         self._shaft_tolerance = planner.config.rcm.measured_tolerance
 
     def refusal(self, command: CommandSpec, situation: Situation) -> Rejected | None:
         """Why the robot's state forbids a command; None where it does not."""
-        if command.role in (Role.STOP, Role.TERMINATE):
-            return None
-        measured, settings = situation.measurement, self._watchdogs
-        unfit = robot_unfit(measured, situation.now, settings.joint_state_age)
+        measured = situation.measurement
+        unfit = robot_unfit(measured, situation.now, self._max_age)
         if unfit is not None or measured is None:
             return Rejected.by(unfit or NOT_CONNECTED)
-        if command.role is Role.ACTIVATE:
-            is_under_way = situation.mode.state is State.MOVING
-            moves = None if is_under_way else joint_in_motion(measured, settings.at_rest_speed)
-            return None if moves is None else Rejected.by(moves)
         return self._place(command, measured) or _tissue(command, measured)
 
     def _place(self, command: CommandSpec, measured: Measurement) -> Rejected | None:
         """Whether the tool is where the command begins."""
         q, _ = planning_joints(measured.position)
         place = self._patient.trocar_pose(q)
-        may_hold_outside = command.place is Place.INSIDE_OR_HOLDING and measured.gripped
-        if may_hold_outside and place.is_outside:
-            return None
-        if not place.is_outside and not place.error <= self._shaft_tolerance:
+        if command.place is Place.INSIDE_OR_HOLDING and measured.gripped:
+            return None  # its plan moves no arm whose shaft is off the trocar
+        if is_off_trocar(place, self._shaft_tolerance):
             drift = TrocarDrift(place.error, self._shaft_tolerance)
             return Rejected(Reason.RCM_TOLERANCE, f"measured: {drift}")
         if command.place is Place.ANYWHERE:
@@ -79,6 +73,11 @@ class Preconditions:
             shallow = InsertionOutOfRange(place.wrist, minimum, maximum)
             return Rejected(Reason.INSERTION_DEPTH, f'{shallow}; "insert" first')
         return None
+
+
+def is_off_trocar(place: TrocarPose, tolerance: float) -> bool:
+    """Whether the shaft is further from the trocar than a tolerance [m], the robot not outside."""
+    return not place.is_outside and not place.error <= tolerance
 
 
 def _tissue(command: CommandSpec, measured: Measurement) -> Rejected | None:

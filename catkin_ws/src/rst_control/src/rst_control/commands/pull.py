@@ -10,7 +10,12 @@ from rst_control.commands import pull_by_distance
 from rst_control.commands.held_tissue import held
 from rst_control.commands.pull_by_distance import DistanceForTension
 from rst_control.commands.request import Accepted, PlanningContext, Request
-from rst_control.commands.tension_limits import present_refusal, room_refusal, target_refusal
+from rst_control.commands.tension_limits import (
+    ease_refusal,
+    present_refusal,
+    room_refusal,
+    target_refusal,
+)
 from rst_control.planning.plan import Grasp, PhaseKind
 from rst_control.types import Rejected
 
@@ -42,20 +47,22 @@ def _asks_distance(context: PlanningContext) -> bool:
 def _plan_tension(context: PlanningContext, is_more: bool) -> Accepted | Rejected:
     config, (grasp, seats) = context.config.tension, held(context)
     furthest = DistanceForTension(config).furthest(grasp, context.situation.pulled, "")
-    if is_more and furthest == -inf:
+    is_moving = context.situation.is_moving
+    unable = None if is_more or is_moving else ease_refusal(grasp, furthest)
+    if furthest == -inf and (is_more or unable is not None):
         return pull_by_distance.unseen("")
     step = context.request.tension or config.step_tension
     base = _base_tension(context, grasp)
     # Less, from above what is allowed, leads all the way back to it.
     target = base + step if is_more else min(base - step, config.maximum)
-    refusal = target_refusal(target, config)
+    refusal = target_refusal(target, config) or unable
     if is_more:
         refusal = refusal or present_refusal(context.measured, config)
         refusal = refusal or room_refusal(grasp, furthest)
     if refusal is not None:
         return refusal
     phase = context.along(PhaseKind.STEP, grasp.pull, context.config.speed.pull_speed)
-    phase = replace(phase, start=grasp.s, target=furthest, tension=target)
+    phase = replace(phase, start=grasp.s, target=max(furthest, grasp.s), tension=target)
     words = f"pulls {'more' if is_more else 'less'}: {base:.2f} N to {target:.2f} N"
     return context.accept(words, (*seats, phase), replace(grasp, tension=target))
 

@@ -92,7 +92,7 @@ def plan(context: PlanningContext, is_more: bool) -> Accepted | Rejected:
         step = by_distance.distance(request.tension or config.step_tension)
     target = grasp.s + step if is_more else grasp.s - step
     maximum = by_distance.furthest(grasp, context.situation.pulled, why)
-    if is_more and maximum == -inf:
+    if maximum == -inf and (is_more or target < 0.0):
         return unseen(why)
     if target < 0.0 or (is_more and target > maximum + ROUNDING):
         return too_far(target, maximum)

@@ -6,15 +6,19 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rst_control.commands.held_tissue import remembered, seated
+from rst_control.commands.preconditions import is_off_trocar
 from rst_control.commands.request import Accepted, PlanningContext
 from rst_control.errors import Infeasible
+from rst_control.kinematics.configuration import planning_joints
 from rst_control.planning.plan import Phase, PhaseKind
 
 
 def plan(context: PlanningContext) -> Accepted:
     """Open the jaws, go back along the pull, then out of the tissue."""
     grasp = remembered(context)
-    if grasp is None:
+    if _is_measured_off_trocar(context):
+        eases: list[Phase] = []
+    elif grasp is None:
         eases = _unplanned_retreat(context)
     else:
         speed = context.config.speed.tip_speed
@@ -22,7 +26,17 @@ def plan(context: PlanningContext) -> Accepted:
         eases = [replace(back, start=grasp.s, target=0.0)] if grasp.s > 0.0 else []
         eases.append(context.along(PhaseKind.EASE, grasp.retreat, speed))
     opening = Phase(PhaseKind.OPEN, opening=context.config.jaws.open)
-    return context.accept("opens the jaws and eases off", (opening, *eases))
+    words = (
+        "opens the jaws and eases off" if eases else "opens the jaws; no way out keeps all limits"
+    )
+    return context.accept(words, (opening, *eases))
+
+
+def _is_measured_off_trocar(context: PlanningContext) -> bool:
+    """So far that the arm may not move: opening the jaws has to do."""
+    q, _ = planning_joints(context.measured.position)
+    place = context.planner.patient.trocar_pose(q)
+    return is_off_trocar(place, context.planner.config.rcm.measured_tolerance)
 
 
 def _unplanned_retreat(context: PlanningContext) -> list[Phase]:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -93,6 +93,7 @@ class Accepted:
     """The command may run."""
 
     plan: Plan
+    started: Callable[[], None] = lambda: None  # from the control loop, once the plan sets off
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,7 +24,6 @@ from rst_control.trajectory.path import Path
 from rst_control.types import Rejected, Vector
 
 MAX_PLANNED: Final = 12  # candidates whose paths are planned, the best first
-MAX_REASONS: Final = 3  # in a refusal
 ENOUGH_MARGIN: Final = 0.15  # share of a joint's half range; more to its limit is no better
 MARGIN_WEIGHT: Final = 4.0  # [rad] askew that a candidate may be to win a half range of margin
 
@@ -100,7 +99,7 @@ def choose_grasp(planner: Planner, q: Vector) -> GraspPlan:
             return _plan_candidate(planner, q, candidate)
         except Infeasible as reason:
             reasons.append(reason)
-    raise NoGrasp(tuple(reasons[:MAX_REASONS]), len(planner.grasp_candidates))
+    raise NoGrasp(tuple(reasons))
 
 
 def _plan_candidate(planner: Planner, q: Vector, candidate: GraspCandidate) -> GraspPlan:

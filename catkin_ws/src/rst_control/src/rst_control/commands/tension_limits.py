@@ -10,6 +10,7 @@ from rst_control.planning.plan import Grasp
 from rst_control.types import Measurement, Reason, Rejected
 
 MIN_ROOM: Final = 5e-4  # [m] of pull path left, below which pulling further makes no sense
+MIN_EASE: Final = 1e-5  # [m] of pull path to go back; stiff tissue is taut within 0.1 mm
 ROUNDING: Final = 1e-9  # [m] that a path may be shorter than asked for
 
 
@@ -46,7 +47,12 @@ def room_refusal(grasp: Grasp, furthest: float) -> Rejected | None:
     return too_far(grasp.s + MIN_ROOM, furthest)
 
 
+def ease_refusal(grasp: Grasp, furthest: float) -> Rejected | None:
+    """Whether the pull's path leads no further back, as where it was planned from here."""
+    return too_far(grasp.s - MIN_ROOM, furthest) if grasp.s < MIN_EASE else None
+
+
 def too_far(target: float, maximum: float) -> Rejected:
     """Refusal of a pull to `target` [m] from the grasp, beyond `maximum` [m] or below 0."""
-    words = f"pulled {target * 1e3:.1f} mm, allowed 0 to {maximum * 1e3:.1f} mm"
+    words = f"pulled {target * 1e3:.1f} mm, allowed 0 to {max(0.0, maximum) * 1e3:.1f} mm"
     return Rejected(Reason.DISPLACEMENT_LIMIT, words)

@@ -202,11 +202,8 @@ class Executor:
                 self._start(order)
 
     def _start(self, order: Order) -> None:
-        lost = self._robot.health or self._watchdogs.owner(order.owner)
-        if lost is not None:
-            self._refuse(order, lost)
-            return
-        refusal = self._setpoint_state.start(order.plan, self._now)
+        refusal = self._robot.health or self._watchdogs.owner(order.owner)
+        refusal = refusal or self._setpoint_state.start(order.plan, self._now)
         if refusal is not None:
             self._refuse(order, refusal)
             return
@@ -216,10 +213,12 @@ class Executor:
             self._robot.max_rcm_error = self._robot.trocar_pose.rcm_error
         self._event_log.order = order
         self._change(state_machine.started(self._mode))
+        order.started()
         self._event_log.accept(self._now, order)
         self._note("motion_started", order.plan.command_words, order.plan.words)
 
     def _terminate(self, order: Order) -> None:
+        self._fault_reset.drop(Cause(Reason.WITHDRAWN, "terminated"))
         self._event_log.accept(self._now, order)
         order.ended(Outcome("succeeded", ""))
         self._latch(state_machine.terminated(self._mode))
@@ -262,6 +261,7 @@ class Executor:
             overtime=motion.overtime(self._now),
             heartbeat_age=self._now - self._heartbeat if is_heard else None,
             owner=self.owner,
+            only_opens=motion.only_opens,
         )
         self._fault(self._watchdogs.motion(self._now, self._robot.measurement, watched))
 

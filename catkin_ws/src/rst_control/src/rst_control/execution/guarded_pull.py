@@ -38,6 +38,7 @@ class GuardedPull(TowardsTension):
         super().__init__(start, self._profile, response)
         self._delay_bound = DelayBound(config.delay)
         self._aim = start.state.s
+        self._profile.go_to(self._aim)  # where it rests until there is room
 
     def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
         """Move on by a time [s]; see `PhaseExecution`."""

@@ -145,6 +145,11 @@ class Motion:
         return self.phase in PULLS and not self._is_braking
 
     @property
+    def only_opens(self) -> bool:
+        """The jaws open and the arm stands still, in the next tick as well."""
+        return self.phase is PhaseKind.OPEN and not self._run.is_done
+
+    @property
     def can_retarget(self) -> bool:
         """Another pull may take over from here, at the present speed."""
         return self.phase in PULLS and not self._is_braking and not self._waiting

@@ -69,6 +69,7 @@ class Order:
     claim: Callable[[], bool] = field(default=_is_wanted)  # False: the caller has given it up
     reply: Callable[[Reply], None] = field(default=_ignore)
     stale: Callable[[], None] | None = None  # instead of the reply, after a change of the view
+    started: Callable[[], None] = field(default=lambda: None)  # once its motion has set off
     ended: Callable[[Outcome], None] = field(default=_ignore)
 
     @property

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rst_control.commands.request import Plan, Situation
 from rst_control.execution.event_log import Event, EventLog
@@ -109,18 +109,29 @@ class ControllerSnapshot:
             now=now,
             setpoint=self.setpoint,
             mode=self.mode,
-            grasp=self.grasp,
+            grasp=self._grasp_now,
             pulled=self._pulled_at_grasp,
         )
 
     @property
+    def _grasp_now(self) -> Grasp | None:
+        """The grasp; while it is pulled to a tension, at the tip: no other place is its target."""
+        grasp = self.grasp
+        if grasp is None or grasp.tension is None or not self._is_pulled_on(grasp):
+            return grasp
+        return replace(grasp, s=self.path_position)
+
+    @property
     def _pulled_at_grasp(self) -> float | None:
         """Pull at the place that the grasp says, which a motion under way has yet to reach [m]."""
-        grasp = self.grasp
-        if self.pulled is None or grasp is None or self.motion is None:
+        grasp = self._grasp_now
+        if self.pulled is None or grasp is None or not self._is_pulled_on(grasp):
             return self.pulled
-        is_on_it = self.path is grasp.pull
-        return self.pulled + (grasp.s - self.path_position if is_on_it else 0.0)
+        return self.pulled + grasp.s - self.path_position
+
+    def _is_pulled_on(self, grasp: Grasp) -> bool:
+        """A motion along the pull of the grasp is under way."""
+        return self.motion is not None and self.path is grasp.pull
 
 
 # Changes something between two ticks, or leaves it, in the snapshot of that moment. It gives the

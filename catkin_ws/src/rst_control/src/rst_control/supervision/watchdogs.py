@@ -37,6 +37,7 @@ class MonitoredMotion:
     overtime: float  # [s] that the phase takes longer than its way at its speed
     heartbeat_age: float | None  # [s] of the voice node; None: the command was not spoken
     owner: str = ""  # node that asked for it and has to stay; empty: none has
+    only_opens: bool = False  # the jaws open while the arm stands still
 
 
 class Watchdogs:
@@ -122,7 +123,7 @@ class Watchdogs:
             return lost
         return (
             self.following(measured, watched.setpoint)
-            or self._rcm(watched.trocar_pose)
+            or (None if watched.only_opens else self._rcm(watched.trocar_pose))
             or self._tension(measured, watched)
             or self._grip(measured, watched)
             or self._times(watched)
