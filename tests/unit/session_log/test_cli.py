@@ -56,6 +56,13 @@ def test_info_names_what_the_recorder_dropped(tmp_path, capsys):
     assert "lost on /t from /p: 3 dropped, 1 missed\n" in out and "complete" not in out
 
 
+def test_what_never_reached_the_recorder_leaves_a_recording_complete(tmp_path, capsys):
+    losses = {"/t from /p": "0 dropped, 1 missed"}
+    recording_of(tmp_path / "s.mcap", metadata={"losses": losses})
+    _, out, _ = run(capsys, "info", tmp_path / "s.mcap")
+    assert "complete" in out and "/t from /p: 0 dropped, 1 missed" in out
+
+
 def test_info_of_a_cut_file_says_what_is_lost(story, tmp_path, capsys):
     (tmp_path / "s.mcap").write_bytes(story[0].read_bytes()[:100_000])
     code, out, _ = run(capsys, "info", tmp_path / "s.mcap")

@@ -142,7 +142,7 @@ def _losses(result: RecordingSummary) -> list[str]:
         lines.append(f"lost {damage.length} bytes at {damage.offset}: {damage.what}")
     if result.missing:
         lines.append(f"{result.missing} messages were received but are not in the file")
-    lines += [f"lost on {name}: {loss}" for name, loss in result.losses.items()]
+    lines += [f"lost on {name}: {loss}" for name, loss in result.dropped.items()]
     lines += [str(step) for step in result.clock_steps]
     for name, topic in result.topics.items():
         if MANY_PUBLISHERS in topic.publishers:

@@ -200,6 +200,7 @@ def test_a_pool_keeps_numbers_not_sessions(summary, report_config):
         ({"checksum": "wrong"}, False),
         ({"is_closed": False}, False),
         ({"metadata": [("losses", {"/t from /p": "3 dropped, 0 missed"})]}, False),
+        ({"metadata": [("losses", {"/t from /p": "0 dropped, 2 missed"})]}, True),
     ],
 )
 def test_a_session_is_complete_where_nothing_was_lost_or_changed(

@@ -51,6 +51,11 @@ class RecordingSummary:
         return self.condition.latest("losses")
 
     @property
+    def dropped(self) -> dict[str, str]:
+        """Those that reached the recorder and are not in the file. Others never came to it."""
+        return {name: loss for name, loss in self.losses.items() if not loss.startswith("0 ")}
+
+    @property
     def start(self) -> int:
         """Time of the first message [ns]; zero for an empty file."""
         return min((t.first for t in self.topics.values()), default=0)

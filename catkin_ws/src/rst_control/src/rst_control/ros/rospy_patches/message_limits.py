@@ -4,22 +4,27 @@
 Left alone, a peer that connects and says nothing keeps everybody else from connecting, a message
 of 10 MB holds the interpreter, and with it the control loop, for milliseconds while it is copied,
 and bytes that are no message end the thread that reads them with a trace. `limit_messages` replaces
-the places in rospy that take up connections and read from them.
+the places in rospy that take up connections and read from them. A caller that leaves before its
+answer ends the thread of its call with a trace as well: that is an ordinary thing, and is passed
+over.
 """
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import socket
 import threading
 import time
 from io import BytesIO
+from types import TracebackType
 
 import genpy
-from rospy.exceptions import TransportTerminated
+from rospy.exceptions import TransportException, TransportTerminated
 from rospy.impl.tcpros_base import TCPROSServer, TCPROSTransportProtocol, TCPServer
 from rospy.impl.tcpros_pubsub import TCPROSSub
-from rospy.impl.tcpros_service import TCPService
+from rospy.impl.tcpros_service import ServiceImpl, TCPService
+from rospy.impl.transport import Transport
 
 from rst_control.ros.rospy_patches.message_framing import (
     LONGEST_HEADER,
@@ -42,6 +47,7 @@ _strangers = threading.BoundedSemaphore(MAX_STRANGERS)
 _refusals = Refusals(time.monotonic)
 _welcome = TCPROSServer._tcp_server_callback
 _open = TCPServer._create_server_sock
+_error_handler, _write_service_error = ServiceImpl.error_handler, ServiceImpl._write_service_error
 
 
 def limit_messages() -> None:
@@ -50,6 +56,26 @@ def limit_messages() -> None:
     TCPROSServer._tcp_server_callback = _admit
     TCPROSSub.read_messages = _read_messages
     TCPService.read_messages = _read_messages
+    ServiceImpl.error_handler = _note_error
+    ServiceImpl._write_service_error = _write_error
+
+
+def _note_error(
+    service: ServiceImpl,
+    error: Exception,
+    kind: type[BaseException],
+    value: BaseException,
+    trace: TracebackType,
+) -> None:
+    if isinstance(error, TransportTerminated):
+        log.info("a caller of %s left before its answer", service.resolved_name)
+    else:
+        _error_handler(service, error, kind, value, trace)
+
+
+def _write_error(service: ServiceImpl, transport: Transport, words: str) -> None:
+    with contextlib.suppress(TransportException):  # the caller has left
+        _write_service_error(service, transport, words)
 
 
 def _listen(server: TCPServer) -> socket.socket:
