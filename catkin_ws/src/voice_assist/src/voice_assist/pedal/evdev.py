@@ -17,7 +17,7 @@ EVENT: Final = struct.Struct("llHHi")  # input_event: time, type, code, value
 EV_SYN, EV_KEY, EV_ABS = 0, 1, 3
 SYN_DROPPED: Final = 3  # code of EV_SYN: the kernel had no room for events
 EVIOCGRAB: Final = 0x40044590  # a pedal is a keyboard: elsewhere it would type
-KEYS: Final = 768  # codes of keys, a bit each in the kernel's answer
+KEYS: Final = 768  # codes of keys; the kernel gives a bit for each
 EVIOCGKEY: Final = 2 << 30 | KEYS // 8 << 16 | 0x45 << 8 | 0x18  # which keys are pressed now
 REPEATED: Final = 2  # value of a key that is held
 
