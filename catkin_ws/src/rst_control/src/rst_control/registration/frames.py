@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rst_control.kinematics.rotations import rotation_of
-from rst_control.registration.tracked_place import FUTURE
+from rst_control.registration.tracked_place import untimely
 from rst_control.types import BASE, Cause, Reason
 
 Array = NDArray[np.float64]
@@ -81,12 +81,9 @@ class Frames:
             link = self._links.get(at)
             if link is None:
                 return at, T
-            if (late := now - link.stamp) > age:
-                words = f"frame {at!r} {late:.2f} s old, allowed {age:.2f} s"
-                return Cause(Reason.TRACKER_STALE, words)
-            if -math.inf < late < -FUTURE:  # minus infinity: it never moves
-                words = f"frame {at!r} stamped {-late:.2f} s ahead, allowed {FUTURE:.2f} s"
-                return Cause(Reason.TRACKER_STALE, f"{words}: are the clocks of both hosts set?")
+            is_moving = link.stamp != math.inf
+            if is_moving and (cause := untimely(f"frame {at!r}", link.stamp, now, age)):
+                return cause
             T, at = np.array(link.T @ T), link.parent
         return Cause(Reason.UNKNOWN_FRAME, f"frame {frame!r} hangs in a circle of frames")
 

@@ -43,12 +43,16 @@ def is_other_way(first: Sequence[float], second: Sequence[float]) -> bool:
 
 def too_old(report: Report, now: float, age: float) -> Cause | None:
     """Why the time of a report forbids to use it; None: it does not."""
-    late = now - report.stamp
+    return untimely("tracked place", report.stamp, now, age)
+
+
+def untimely(what: str, stamp: float, now: float, age: float) -> Cause | None:
+    """Why a stamp [s] forbids to use what bears it, old or ahead of time; None: it does not."""
+    late = now - stamp
     if late > age:
-        words = f"tracked place {late:.2f} s old, allowed {age:.2f} s"
-        return Cause(Reason.TRACKER_STALE, words)
+        return Cause(Reason.TRACKER_STALE, f"{what} {late:.2f} s old, allowed {age:.2f} s")
     if late < -FUTURE:
-        words = f"tracked place stamped {-late:.2f} s ahead, allowed {FUTURE:.2f} s"
+        words = f"{what} stamped {-late:.2f} s ahead, allowed {FUTURE:.2f} s"
         return Cause(Reason.TRACKER_STALE, f"{words}: are the clocks of both hosts set?")
     return None
 
