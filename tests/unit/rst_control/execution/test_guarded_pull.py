@@ -81,6 +81,54 @@ def test_it_stops_at_the_tension_asked_for_though_that_is_late(stiffness: float)
     assert tissue.tension == pytest.approx(1.0, abs=0.05)
 
 
+@pytest.mark.parametrize("when", [0.1, 0.5, 1.0])
+def test_one_reading_that_is_far_too_high_stops_it_for_a_look_and_no_longer(when: float) -> None:
+    tissue = SpringTissue(100.0, goal=1.0)
+    tissue.pull(when)
+    tissue.bias = 1.0
+    tissue.pull(PERIOD)
+    tissue.bias = 0.0
+    tissue.pull(0.2)
+    held = tissue.run.state.s
+    tissue.pull(0.05)
+    assert tissue.run.state.s == held and not tissue.run.is_done
+    tissue.pull()
+    assert tissue.run.is_done
+    assert tissue.tension == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_tension_that_stays_high_ends_the_pull_where_it_rose() -> None:
+    tissue = SpringTissue(100.0, goal=1.0)
+    tissue.pull(0.5)
+    tissue.bias, before = 1.0, tissue.run.state.s
+    tissue.pull()
+    assert tissue.run.is_done
+    assert tissue.run.state.s - before < 1e-3
+
+
+def test_a_stop_during_the_look_ends_it() -> None:
+    tissue = SpringTissue(100.0, goal=1.0)
+    tissue.pull(0.5)
+    tissue.bias = 1.0
+    tissue.pull(PERIOD)
+    tissue.bias = 0.0
+    tissue.run.brake()
+    tissue.pull(0.5)
+    assert tissue.run.is_done
+    assert tissue.tension < 0.3
+
+
+def test_easing_that_one_low_reading_stops_goes_on() -> None:
+    tissue = SpringTissue(200.0, goal=0.5, start=0.006)
+    tissue.pull(0.2)
+    tissue.bias = -1.0
+    tissue.pull(PERIOD)
+    tissue.bias = 0.0
+    tissue.pull()
+    assert tissue.run.is_done
+    assert tissue.tension == pytest.approx(0.5, abs=0.18)
+
+
 def test_it_is_so_slow_that_the_stiffest_tissue_rises_by_the_tolerance_within_the_delay() -> None:
     tissue = SpringTissue(100.0, goal=1.0)
     tissue.pull()

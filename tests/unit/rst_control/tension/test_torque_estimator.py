@@ -95,6 +95,21 @@ def test_the_tare_takes_away_what_is_wrong_all_the_time(arm: Arm) -> None:
     assert arm.feel((1.0, 0.0, 0.0)).tension == pytest.approx(1.0, abs=1e-3)
 
 
+@pytest.mark.parametrize("rest", [0.2, 0.3, 0.45, 0.6, 0.8])
+def test_what_the_filter_still_holds_of_a_motion_is_no_bias(arm: Arm, rest: float) -> None:
+    arm.speed, arm.pushed = np.full(10, 0.05), np.array([0.5, -0.7, 0.3, 0.6, -0.1, 0.15, 0.05])
+    arm.rest()  # braking, with the jaws open
+    arm.speed, arm.pushed = np.zeros(10), np.zeros(7)
+    arm.rest(rest)
+    assert arm.feel((1.0, 0.0, 0.0)).tension == pytest.approx(1.0, abs=0.03)
+
+
+def test_tissue_that_was_just_let_go_is_no_bias(arm: Arm) -> None:
+    arm.feel((2.0, 0.0, 0.0), 1.0, OPEN, gripped=True)
+    arm.rest(0.3)
+    assert arm.feel((1.0, 0.0, 0.0)).tension == pytest.approx(1.0, abs=0.03)
+
+
 def test_without_a_tare_it_says_so_and_what_it_is_worth() -> None:
     arm = Arm()
     arm.bias = np.array(CONFIG.error.offset)

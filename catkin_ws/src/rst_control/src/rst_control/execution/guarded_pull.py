@@ -14,7 +14,7 @@ from rst_control.execution.phase_execution import PhaseStart, TowardsTension
 from rst_control.tension.delay_bound import DelayBound
 from rst_control.tension.grasp_response import GraspResponse
 from rst_control.trajectory.motion_profile import MotionProfile
-from rst_control.types import Measurement, Vector
+from rst_control.types import Measurement, PathState, Vector
 
 SAME_AIM = 1e-6  # [m]
 
@@ -24,6 +24,8 @@ class GuardedPull(TowardsTension):
 
     It is as slow as lets the stiffest tissue expected rise by no more than the tolerance within
     the delay of the tension, and stops earlier by what the tension rose by within the last delay.
+    One reading is enough to stop. So it looks again at rest, and goes on where that reading was
+    an outlier: where the mean of a rest is short of the goal by more than the tolerance.
 
     Args:
         start: How it begins; its phase has a tension.
@@ -34,9 +36,11 @@ class GuardedPull(TowardsTension):
     def __init__(self, start: PhaseStart, config: TensionConfig, response: GraspResponse) -> None:
         rise = max(config.delay, 1e-3) * config.blind_stiffness  # [N s/m]
         speed = min(start.bounds.speed, config.tolerance / rise)
-        self._profile = MotionProfile(start.state, replace(start.bounds, speed=speed))
+        self._bounds, self._config = replace(start.bounds, speed=speed), config
+        self._profile = MotionProfile(start.state, self._bounds)
         super().__init__(start, self._profile, response)
         self._delay_bound = DelayBound(config.delay)
+        self._rest: _Rest | None = None  # in which it looks again
         self._aim = start.state.s
         self._profile.go_to(self._aim)  # where it rests until there is room
 
@@ -44,26 +48,68 @@ class GuardedPull(TowardsTension):
         """Move on by a time [s]; see `PhaseExecution`."""
         self._delay_bound.update(measured.stamp, measured.tension)
         self._feel(measured.tension)
-        end = self._furthest if self.is_pulling else 0.0
-        if self._brake is None:
-            self._head_for(min(end, self._room_ends(measured)), end)
-        profile = self._brake or self._profile
-        state = profile.step(dt)
-        self.is_done = profile.is_done and (self._brake is not None or self._aim == end)
-        if self._brake is None:
-            self.failure = self._objection(measured)
-            if self.failure or self._is_reached:
-                self._brake_from(state)
+        if self._brake is not None:
+            state = self._brake.step(dt)
+            self.is_done = self._brake.is_done
+            return self._joints(state)
+        state = self._go(dt, measured) if self._rest is None else self._look(dt, self._rest)
+        self.failure = self._objection(measured)
+        if self.failure:
+            self._brake_from(state)
         return self._joints(state)
 
-    def _head_for(self, aim: float, end: float) -> None:
-        """Go as far as the response of the tissue allows for now, or to the end."""
+    def _go(self, dt: float, measured: Measurement) -> PathState:
+        """Go on by a time [s], to the end or as far as the response of the tissue allows."""
+        end = self._furthest if self.is_pulling else 0.0
+        aim = min(end, self._room_ends(measured))
         if abs(aim - self._aim) > SAME_AIM or (aim == end != self._aim):
             self._aim = aim
             self._profile.go_to(aim)
+        state = self._profile.step(dt)
+        self.is_done = self._profile.is_done and self._aim == end
+        if self._is_reached and not self.is_done:
+            self._profile = self._course = MotionProfile.braking(state, self._start.brakes)
+            self._rest = _Rest(self._config.delay)
+        return state
+
+    def _look(self, dt: float, rest: _Rest) -> PathState:
+        """Come to rest, see what the tension is there, and go on or be done."""
+        state = self._profile.step(dt)
+        if not self._profile.is_done:
+            return state
+        tension = rest.mean(dt, self._now)
+        if tension is None:
+            return state
+        missing = self._goal - tension if self.is_pulling else tension - self._goal
+        self.is_done = missing <= self._config.tolerance
+        if not self.is_done:
+            self._rest, self._aim = None, state.s
+            self._profile = self._course = MotionProfile(state, self._bounds)
+            self._profile.go_to(self._aim)
+            self._delay_bound.forget()
+        return state
 
     @property
     def _is_reached(self) -> bool:
         if self.is_pulling:
             return self._now + self._delay_bound.ahead >= self._goal
         return self._now <= self._goal
+
+
+class _Rest:
+    """Mean of the readings at rest that are not late any more.
+
+    Args:
+        delay: By which the measured tension is late [s].
+    """
+
+    def __init__(self, delay: float) -> None:
+        self._delay, self._time = delay, 0.0
+        self._sum, self._count = 0.0, 0
+
+    def mean(self, dt: float, tension: float) -> float | None:
+        """Take in the tension [N] a time [s] later; the mean [N], once the rest was long enough."""
+        self._time += dt
+        if self._time >= self._delay:
+            self._sum, self._count = self._sum + tension, self._count + 1
+        return self._sum / self._count if self._time >= 2.0 * self._delay else None

@@ -11,6 +11,8 @@ from rst_control.config.torque_tension import TareConfig
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.types import ARM_COUNT, Measurement, Vector, frozen_array
 
+FADED = 4.0  # time constants of the filter after which it holds 2 % of what it held
+
 
 @dataclass(frozen=True, eq=False)
 class Tare:
@@ -25,19 +27,23 @@ class Tare:
 class TareTaker:
     """Averages while the jaws are open and the arm rests; keeps the last whole average.
 
+    It begins when the filter has forgotten how the arm braked, or what the jaws held.
+
     Args:
         config: When that is, and how far from there it holds.
+        filter_time: Time constant of the filter whose readings come [s].
     """
 
-    def __init__(self, config: TareConfig) -> None:
-        self._config = config
+    def __init__(self, config: TareConfig, filter_time: float) -> None:
+        self._config, self._settling = config, FADED * filter_time
         self.tare: Tare | None = None
-        self._since: float | None = None
+        self._free_since: float | None = None  # [s] since when the open jaws rest
+        self._since: float | None = None  # [s] of the average under way
         self._sum, self._count = np.zeros(ARM_COUNT), 0
 
     def forget_start(self) -> None:
         """Readings were missing: begin the average under way anew."""
-        self._since = None
+        self._free_since = self._since = None
 
     def update(
         self, measured: Measurement, opening: float, excess: Vector, noise_share: float
@@ -53,7 +59,11 @@ class TareTaker:
         config, speed = self._config, np.abs(measured.velocity[:ARM_COUNT]).max()
         is_free = not measured.gripped and opening >= config.opening
         if not (is_free and speed <= config.at_rest_speed):
-            self._since = None
+            self._free_since = self._since = None
+            return
+        if self._free_since is None:
+            self._free_since = measured.stamp
+        if measured.stamp - self._free_since < self._settling:
             return
         if self._since is None:
             self._since, self._sum, self._count = measured.stamp, np.zeros(ARM_COUNT), 0

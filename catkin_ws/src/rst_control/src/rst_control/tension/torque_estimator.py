@@ -66,7 +66,7 @@ class TorqueTension:
         self._check = GravityCheck(self._errors, config.max_misfit)
         self._misfit = ""  # why the bias of the tare is not one; empty: it may be
         self._pull = frozen_array(unit_vector(config.pull_direction), 3)
-        self._tares = TareTaker(config.tare)
+        self._tares = TareTaker(config.tare, config.filter_time)
         self._last: Measurement | None = None
         self._excess, self._asked = np.zeros(ARM_COUNT), np.zeros(ARM_COUNT)  # filtered [N m]
         self._noise_share, self._readings = 1.0, 0
