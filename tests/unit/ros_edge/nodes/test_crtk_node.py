@@ -12,6 +12,8 @@ from rst_control.ros.crtk.node import CrtkNode
 def node():
     stops, it = [], object.__new__(CrtkNode)
     it._stop, it._commands = SimpleNamespace(publish=stops.append), Queue(8)
+    it.warned = []
+    it._warn = it.warned.append
     return it, stops
 
 
@@ -30,3 +32,12 @@ def test_what_waits_is_dropped_by_what_stops(last, left):
     says(it, last)
     assert len(stops) == 1
     assert [it._commands.get() for _ in range(it._commands.qsize())] == left
+    assert it.warned == [f"hey robot: dropped, since {last} came after it"]
+
+
+def test_a_pause_does_not_take_back_that_assistance_ends():
+    it, stops = node()
+    for words in ("enable", "disable", "pause"):
+        says(it, words)
+    assert len(stops) == 2
+    assert [it._commands.get() for _ in range(it._commands.qsize())] == ["terminate"]

@@ -188,6 +188,22 @@ def test_a_service_that_answers_in_time_is_asked_once(monkeypatch, acts):
     assert outcome.is_done and proxy.closed == 1 and proxy.refusal is None
 
 
+def test_a_microphone_may_be_searched_for_longer_than_others_answer(monkeypatch, acts):
+    thaws = threading.Event()
+    asked = threading.Timer(0.5, thaws.set)  # ten times WITHIN
+    monkeypatch.setattr(rospy, "ServiceProxy", lambda *_, **__: Microphones(thaws))
+    asked.start()
+    assert acts.choose_microphone("usb").is_done
+
+
+class Microphones(Proxy):
+    """The voice node's service."""
+
+    def __call__(self, request):
+        super().__call__(request)
+        return SimpleNamespace(success=self.refusal is None, message="")
+
+
 def test_a_service_that_is_not_there_is_not_asked(monkeypatch, acts):
     def fail(name, within):
         raise rospy.ROSException("timeout exceeded")

@@ -134,3 +134,28 @@ def test_the_firmware_is_asked_for_a_few_times_whether_limits_are_read_or_not(
     facts._ask()
     assert facts.firmware == firmware
     assert len(asked) == (2 if firmware else FIRMWARE_TRIES)
+
+
+def test_a_driver_that_comes_late_is_asked_for_its_firmware_anew(monkeypatch):
+    asked, rounds = [], []
+
+    def ask(_):
+        asked.append(len(rounds))
+        raise arm_report.rospy.ROSException("no answer")
+
+    def ask_limits(_):
+        if len(rounds) < 10:
+            raise arm_report.rospy.ROSException("no driver yet")
+        return "limits"
+
+    limits = []
+    monkeypatch.setattr(arm_report, "ask_firmware", ask)
+    monkeypatch.setattr(arm_report, "ask_limits", ask_limits)
+    monkeypatch.setattr(arm_report.rospy, "logwarn_throttle", lambda *_: None)
+    monkeypatch.setattr(arm_report.rospy, "is_shutdown", lambda: len(rounds) > 30)
+    monkeypatch.setattr(arm_report.time, "sleep", rounds.append)
+    facts = object.__new__(ArmFacts)
+    facts._namespace, facts.firmware = "my_gen3", ""
+    facts._is_wanted, facts._on_limits = lambda: not limits, limits.append
+    facts._ask()
+    assert sum(at < 10 for at in asked) == sum(at >= 10 for at in asked) == FIRMWARE_TRIES

@@ -54,8 +54,13 @@ def test_a_frame_from_the_future_is_refused():
     """The clock of another host is ahead: its last transform would be taken for as long."""
     refused = frames(age=-10.0).in_base("camera", 10.0, 0.2)
     assert refused.reason is Reason.TRACKER_STALE
-    assert "stamped 10.00 s ahead, allowed 0.05 s" in refused.words
-    assert not isinstance(frames(age=-0.04).in_base("camera", 10.0, 0.2), Cause)
+    assert "stamped 10.00 s ahead, allowed 0.20 s" in refused.words
+    assert isinstance(frames(age=-0.21).in_base("camera", 10.0, 0.2), Cause)
+
+
+def test_a_frame_that_tf_stamps_ahead_by_its_period_is_taken():
+    """The static_transform_publisher of tf stamps a transform for when the next is due."""
+    assert not isinstance(frames(age=-0.1).in_base("camera", 10.0, 0.2), Cause)
 
 
 def test_a_circle_of_frames_is_refused():

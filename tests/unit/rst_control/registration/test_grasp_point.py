@@ -2,6 +2,7 @@
 """Setting the grasp point: where the sheet can be taken and pulled, at rest, in one tick."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -252,6 +253,18 @@ def test_a_refusal_is_reported_and_holds_until_the_situation_changes():
     here.rig.run(0.3)
     (again,) = reported(here, grasp, beside)
     assert not again.accepted
+
+
+def test_a_refusal_is_reported_no_longer_once_the_point_is_in_force_by_another_way(monkeypatch):
+    here = setting()
+    beside = here.first + np.array([0.0, 0.02, 0.0])
+    grasp = follower(here)
+    reported(here, grasp, beside)
+    assert grasp.objection(here.rig.now) is not None
+    scene = replace(here.scene, grasp_point=tuple(beside))
+    current = SimpleNamespace(config=SimpleNamespace(scene=scene))
+    monkeypatch.setattr(grasp, "_present", SimpleNamespace(current=current))
+    assert grasp.objection(here.rig.now) is None
 
 
 def test_a_point_that_a_person_sets_after_the_tracked_one_stays():

@@ -69,6 +69,19 @@ def test_what_is_lost_on_the_way_is_lost_also_where_the_clock_is_off():
     assert block.lost == pytest.approx(1.0, abs=0.05)
 
 
+@pytest.mark.parametrize(("share", "every"), [(0.05, 0.02), (0.2, 0.02), (0.2, 0.064)])
+def test_sound_that_is_lost_all_the_time_is_reported_as_lost(share, every):
+    stream, data = UnstampedStream(CONFIG), bytes(2 * round(16000 * every))
+    stream.inform(1, 16000, "S16LE", "WAVE")
+    lost, reported = 0.0, 0.0
+    for n in range(round(60.0 / every)):
+        if n > 0 and n * every % 1.0 < share:
+            lost += every
+        else:
+            reported += stream.take(data, 100.0 + n * every).lost
+    assert reported == pytest.approx(lost, abs=0.3)
+
+
 @pytest.mark.parametrize(
     ("bytes_per_second", "ratio"),
     [(16_000, "0.50"), (64_000, "2.00"), (88_200, "2.76")],

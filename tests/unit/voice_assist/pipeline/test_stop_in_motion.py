@@ -2,6 +2,7 @@
 """The same sentences to a robot at rest and to one that moves."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -15,7 +16,7 @@ from tests.unit.voice_assist.support.fake_pipeline import (
 )
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say
 from voice_assist.config import load_voice_config
-from voice_assist.types import Halt, Mode, RejectionReason
+from voice_assist.types import Halt, Hypothesis, Mode, RejectionReason
 
 CONFIG = load_voice_config().moving
 WITH_STOP = ("he said stop now please", "do not stop", "pulling is stop he said", "never stop more")
@@ -196,6 +197,24 @@ def test_one_transcript_has_one_vote():
     for transcript, count in calls:
         votes.setdefault(id(transcript), set()).add(count)
     assert calls and all(len(counts) == 1 for counts in votes.values())
+
+
+@pytest.mark.parametrize("over_talk", [True, False])
+def test_a_stop_that_the_last_transcript_alone_holds_needs_no_second_one(over_talk):
+    """After the pause there is no other transcript, so the last word is written only once."""
+    config = load_voice_config(moving__sentence_agreement=2, spotter__over_talk=False)
+    stops = make(Mode.ACTIVE, FakeRecognizer(), config=config)[0]._decider.stops
+    if over_talk:
+        stops._stop_in_sound, stops.halts = object(), ("halt",)
+    halt = stops.halts[0]
+
+    def sure(words, quiet):
+        return stops.in_motion(Hypothesis(words, 0.9, 0.0), SimpleNamespace(quiet=quiet))
+
+    pause = config.recognizer.early.pause
+    assert sure(f"that will do {halt}", quiet=0.0) is None
+    assert sure("that will do", quiet=pause) is None
+    assert sure(f"that will do {halt}", quiet=pause).outcome.command == halt
 
 
 @pytest.mark.parametrize("is_moving", [False, True])

@@ -82,7 +82,8 @@ class Frames:
             if link is None:
                 return at, T
             is_moving = link.stamp != math.inf
-            if is_moving and (cause := untimely(f"frame {at!r}", link.stamp, now, age)):
+            # tf's static_transform_publisher stamps its transforms by its period ahead
+            if is_moving and (cause := untimely(f"frame {at!r}", link.stamp, now, age, ahead=age)):
                 return cause
             T, at = np.array(link.T @ T), link.parent
         return Cause(Reason.UNKNOWN_FRAME, f"frame {frame!r} hangs in a circle of frames")

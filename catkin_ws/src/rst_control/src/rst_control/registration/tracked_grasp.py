@@ -73,7 +73,9 @@ class TrackedGrasp:
         found, asked = self._place.taken(now), self._asked
         if isinstance(found, Cause):
             return found
-        return asked.refusal if asked is not None and self._is_same(found, asked.report) else None
+        if asked is None or self._is_in_force(found, now):
+            return None
+        return asked.refusal if self._is_same(found, asked.report) else None
 
     def step(self, now: float, tracker: str) -> Future[Reply] | None:
         """Ask for the tracked point where it is another than the active one; None: nothing to do.
@@ -85,8 +87,8 @@ class TrackedGrasp:
         found = self._place.taken(now) if self._config.is_taken else None
         if not isinstance(found, Report):
             return None
-        scene, view, asked = self._present.current.config.scene, self._registrar.view(), self._asked
-        if self._is_same(found, Report(np.array(scene.grasp_point), now, scene.pull_direction)):
+        view, asked = self._registrar.view(), self._asked
+        if self._is_in_force(found, now):
             return None
         if asked is not None and self._is_same(found, asked.report) and asked.holds(view.serial):
             return None
@@ -95,6 +97,10 @@ class TrackedGrasp:
         reply = self._registrar.ask((*found.place.tolist(), *found.pull), tracker)
         self._asked = Asked(found, view.serial, reply)
         return reply
+
+    def _is_in_force(self, found: Report, now: float) -> bool:
+        scene = self._present.current.config.scene
+        return self._is_same(found, Report(np.array(scene.grasp_point), now, scene.pull_direction))
 
     def _is_same(self, found: Report, other: Report) -> bool:
         is_near = float(np.linalg.norm(found.place - other.place)) < self._config.min_change

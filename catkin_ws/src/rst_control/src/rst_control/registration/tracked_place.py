@@ -46,13 +46,15 @@ def too_old(report: Report, now: float, age: float) -> Cause | None:
     return untimely("tracked place", report.stamp, now, age)
 
 
-def untimely(what: str, stamp: float, now: float, age: float) -> Cause | None:
+def untimely(
+    what: str, stamp: float, now: float, age: float, ahead: float = FUTURE
+) -> Cause | None:
     """Why a stamp [s] forbids to use what bears it, old or ahead of time; None: it does not."""
     late = now - stamp
     if late > age:
         return Cause(Reason.TRACKER_STALE, f"{what} {late:.2f} s old, allowed {age:.2f} s")
-    if late < -FUTURE:
-        words = f"{what} stamped {-late:.2f} s ahead, allowed {FUTURE:.2f} s"
+    if late < -ahead:
+        words = f"{what} stamped {-late:.2f} s ahead, allowed {ahead:.2f} s"
         return Cause(Reason.TRACKER_STALE, f"{words}: are the clocks of both hosts set?")
     return None
 

@@ -122,7 +122,9 @@ def other_voices(phrases: Sequence[str], count: int, seed: int) -> list[Example]
         for prompt, sound in zip(some, speak(some), strict=True):
             if sound is not None and len(sound) <= _LONGEST_OTHER:
                 samples = sound.astype(np.float32) / np.float32(32768)
-                spoken.append(Example(samples, texts.normalise_text(prompt.text)))
+                is_command = prompt.text in phrases  # labelled as a take of it is
+                label = spelled(prompt.text) if is_command else texts.normalise_text(prompt.text)
+                spoken.append(Example(samples, label))
     return spoken
 
 

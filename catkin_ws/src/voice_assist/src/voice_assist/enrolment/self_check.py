@@ -23,6 +23,7 @@ from voice_assist.profile.active import PersonalRecognizer
 from voice_assist.profile.manifest import COMMAND
 from voice_assist.profile.thresholds import Settings, overlay
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
+from voice_assist.recognizer.vocabulary import spelled
 from voice_assist.types import Samples
 
 HeardTake = tuple[LabelledTake, PipelineResult]
@@ -159,9 +160,8 @@ class SelfCheck:
         seed = self._config.adapt.seed + _OTHER_SEED
         spoken = other_voices(phrases, self._config.self_check.others, seed)
         probe = PipelineProbe(self._own, learned)
-        cast = [
-            LabelledTake(e.text, e.text if e.text in phrases else "", e.samples) for e in spoken
-        ]
+        phrase_of = {spelled(phrase): phrase for phrase in phrases}
+        cast = [LabelledTake(e.text, phrase_of.get(e.text, ""), e.samples) for e in spoken]
         return [(one, probe(one.samples)) for one in cast]
 
     def _set_thresholds(

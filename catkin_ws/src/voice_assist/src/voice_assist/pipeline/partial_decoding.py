@@ -25,7 +25,7 @@ from voice_assist.vad.segmenter import PartialUtterance, last
 if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
 
-_SLACK = 1e-6  # [s] so that sums of frame lengths reach their limits
+SLACK = 1e-6  # [s] so that sums of frame lengths reach their limits
 _COSTS = 3  # passes; one that the machine held up makes no model slow
 _BUSY = 0.33  # share of the time that passes may take of a model slower than `partial_interval`
 
@@ -101,7 +101,7 @@ class PartialDecoder:
             self._has_news, self._has_paused = True, False
         if self._decoded_at is None:
             self._decoded_at = time
-        is_pause = partial.quiet >= self._config.pause - _SLACK
+        is_pause = partial.quiet >= self._config.pause - SLACK
         is_turn = partial.utterance.is_complete or (is_pause and not self._has_paused)
         self._has_paused |= is_pause
         is_new = self._is_due(partial, frame, time, is_turn)
@@ -111,7 +111,7 @@ class PartialDecoder:
 
     def is_settled(self, partial: PartialUtterance) -> bool:
         """Whether the newest transcript stands until there is speech again."""
-        return partial.quiet >= self._config.settle - _SLACK
+        return partial.quiet >= self._config.settle - SLACK
 
     @property
     def sound(self) -> Samples:
@@ -144,7 +144,7 @@ class PartialDecoder:
             self._observer(SideInput(SideInputKind.BEHIND, frame.first_sample))
             return False
         decoded_at = time if self._decoded_at is None else self._decoded_at
-        since = time - decoded_at + _SLACK
+        since = time - decoded_at + SLACK
         if self.is_settled(partial) or since < self._config.partial_interval:
             return self.is_settled(partial)
         cost = 0.0 if frame.is_moving else min(self._costs)

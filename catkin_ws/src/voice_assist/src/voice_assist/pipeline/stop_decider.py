@@ -10,11 +10,11 @@ from voice_assist.config import VoiceConfig
 from voice_assist.config.calibration import log_odds
 from voice_assist.intent.early_decision import DecisionContext, EarlyDecision
 from voice_assist.intent.mapper import Mapper
+from voice_assist.pipeline.partial_decoding import SLACK, PartialDecoder
 from voice_assist.text.normalize import contains, is_negated, normalize
 from voice_assist.types import Hypothesis, Match, NoMatch, Rejection, RejectionReason, Samples
 
 if TYPE_CHECKING:
-    from voice_assist.pipeline.partial_decoding import PartialDecoder
     from voice_assist.spotter.fusion import StopFusion
     from voice_assist.spotter.spotter import Spotted
     from voice_assist.vad.segmenter import PartialUtterance
@@ -111,7 +111,8 @@ class StopDecider:
         """A stop among the words of a transcript, while the robot moves.
 
         The spotter over talk must have heard it, too. Without one, or of a halt that it does not
-        know, enough transcripts in a row must hold it.
+        know, enough transcripts in a row must hold it, or the last one: after the pause there is
+        no other, and the word may have been the last.
         """
         written = self._written_among(transcript)
         if transcript is not self._counted:  # asked about again, it has no second vote
@@ -121,7 +122,8 @@ class StopDecider:
             return None
         phrase, heard = written
         if self._stop_in_sound is None or phrase != self._stop_fusion.phrase:
-            is_sure = self._votes >= self._config.moving.sentence_agreement
+            is_last = partial.quiet >= self._recognizer_config.early.pause - SLACK
+            is_sure = is_last or self._votes >= self._config.moving.sentence_agreement
         else:
             score = self._stop_in_sound.newest(partial.utterance.samples)
             is_sure = score >= self._config.moving.over_talk_agree

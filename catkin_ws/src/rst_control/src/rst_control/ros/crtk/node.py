@@ -41,6 +41,7 @@ ARM = "gen3"  # name space of CRTK's topics, where none is given
 NAME_SPACE = r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*"
 WAITING = 5  # commands; of more the newest are refused
 ANSWER_WITHIN = 2.0  # [s] for the controller's service to be there
+ENDS = state_command("disable").command  # waits on, whatever stops the robot after it
 AGAIN = 1.0  # [s] after which an unchanged state is sent anew
 
 
@@ -94,9 +95,15 @@ class CrtkNode:
         if not state_command(message.string).brakes:
             return
         self._stop.publish(EmptyMessage())
-        with suppress(Empty):  # what waits was said before
+        waiting: list[str] = []
+        with suppress(Empty):  # said before; what ends assistance still counts
             while True:
-                self._commands.get_nowait()
+                waiting.append(self._commands.get_nowait())
+        for command in dict.fromkeys(waiting):
+            if command == ENDS:
+                self._commands.put_nowait(command)
+            else:
+                self._warn(f"{command}: dropped, since {message.string} came after it")
 
     def _on_command(self, message: StringStamped) -> None:
         follows = state_command(message.string)

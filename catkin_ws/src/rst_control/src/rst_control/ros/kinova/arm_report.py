@@ -127,6 +127,8 @@ class ArmFacts:
         while not rospy.is_shutdown():
             if self._is_wanted():
                 self._try(lambda: self._on_limits(ask_limits(self._namespace)))
+                if not self._is_wanted():
+                    tries = 0  # the driver is there now
             if not self.firmware and (tries := tries + 1) <= FIRMWARE_TRIES:
                 self._try(lambda: setattr(self, "firmware", ask_firmware(self._namespace)))
             time.sleep(ASK_AGAIN)

@@ -165,7 +165,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     if words := master_problem():
         parser.error(words)
     rospy.init_node("kinova_checks", anonymous=True, disable_signals=True)
-    results = checks(_observed(_Observer(config), given.seconds, given.arm))
+    results = checks(_observed(_Observer(config), given.seconds, config.bridge.arm.namespace))
     print(table(results), flush=True)
     sys.exit(int(any(result.is_met is False for result in results)))
 

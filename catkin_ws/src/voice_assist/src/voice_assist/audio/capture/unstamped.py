@@ -20,6 +20,7 @@ RAW: Final = ("", "wave", "pcm", "raw")  # codings that leave samples as they ar
 LONGEST: Final = 0.5  # [s] of sound in one message
 GAP: Final = 0.25  # [s] that sound may be late before it counts as lost
 FOLLOWS: Final = 0.05  # share of that lateness by which each message moves the expected time
+DRIFT: Final = 1e-3  # of its length, at most: two clocks differ by less, so lost sound stays late
 JUDGED_AFTER: Final = 1.0  # [s] of arrival from which the amount is judged
 FORGOTTEN: Final = 5.0  # [s] of arrival that are judged at once
 MIN_RATIO, MAX_RATIO = 0.8, 1.25  # sound that comes, in times real time
@@ -104,7 +105,8 @@ class UnstampedStream:
         if pause > GAP:
             self._since += pause  # what did not come is no reason to doubt the format
         # a publisher's clock is a little off: followed slowly, it never adds up to a gap
-        self._end = due + FOLLOWS * late if abs(late) <= GAP else now
+        most = DRIFT * duration
+        self._end = due + min(max(FOLLOWS * late, -most), most) if abs(late) <= GAP else now
         return late if late > GAP else 0.0
 
     def _misjudged(self, duration: float, now: float) -> str:

@@ -24,6 +24,7 @@ from voice_assist.srv import AnswerQuestion, SetMicrophone
 GRASP_POINT = "rst_control/set_grasp_point"
 STOP_TOPIC = "rst_control/stop"
 WITHIN = 2.5  # [s] for a service to answer; the page waits longer
+CHOICE_WITHIN = 8.5  # [s] the same of a microphone, for which the voice node may have to search
 
 
 class RosActs:
@@ -51,7 +52,7 @@ class RosActs:
 
     def choose_microphone(self, name: str) -> Outcome:
         """Hear by another microphone."""
-        reply = _call(MICROPHONE, SetMicrophone, name)
+        reply = _call(MICROPHONE, SetMicrophone, name, within=CHOICE_WITHIN)
         if reply is None:
             return Outcome(False, "no voice node listens to a microphone")
         return Outcome(bool(reply.success), reply.message or f"the microphone is {name!r} now")
@@ -76,16 +77,24 @@ class RosActs:
         return Outcome(bool(reply.accepted), reply.message)
 
 
-def _call(name: str, kind: Any, *words: Any) -> Any:
-    """The answer of a service; None: there is none in time, and nothing is sent later."""
-    request = timely(kind._request_class, time.monotonic() + WITHIN)(*words)
+def _call(name: str, kind: Any, *words: Any, within: float | None = None) -> Any:
+    """The answer of a service; None: there is none in time, and nothing is sent later.
+
+    Args:
+        name: Of the service.
+        kind: Its class.
+        words: Of the request.
+        within: Longest wait for the answer [s]; None: `WITHIN`, as for the service to be there.
+    """
+    limit = WITHIN if within is None else within
+    request = timely(kind._request_class, time.monotonic() + limit)(*words)
     proxy = rospy.ServiceProxy(name, kind, persistent=True)  # which `drop` can close
 
     def ask() -> Any:
         rospy.wait_for_service(name, WITHIN)
         return proxy(request)
 
-    reply = in_time(ask, WITHIN)
+    reply = in_time(ask, limit)
     if reply is None:
         drop(proxy)
     else:

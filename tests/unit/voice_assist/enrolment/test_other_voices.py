@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Other voices that say the commands: their words are written as those of a take are."""
+
+import numpy as np
+
+from voice_assist.enrolment import examples
+from voice_assist.recognizer.vocabulary import spelled
+
+
+def test_a_command_is_labelled_as_a_take_of_it(monkeypatch):
+    """A digit was left out, so that "preset 1" and "preset 2" were one phrase."""
+    phrases = ("preset 1", "preset 2", "x-ray on")
+    said = []
+
+    def speak(prompts):
+        said.extend(prompt.text for prompt in prompts)
+        return [np.zeros(8000, np.int16) for _ in prompts]
+
+    monkeypatch.setattr(examples, "espeak_variants", lambda: (("f1", "m1"), ()))
+    monkeypatch.setattr(examples, "speak", speak)
+    labels = [example.text for example in examples.other_voices(phrases, 60, seed=1)]
+    assert set(phrases) <= set(said)
+    assert {"preset one", "preset two", "x ray on"} <= set(labels)
+    for text, label in zip(said, labels, strict=True):
+        assert (label == spelled(text)) or text not in phrases
