@@ -81,7 +81,7 @@ def test_it_stops_at_the_tension_asked_for_though_that_is_late(stiffness: float)
     assert tissue.tension == pytest.approx(1.0, abs=0.05)
 
 
-@pytest.mark.parametrize("when", [0.1, 0.5, 1.0])
+@pytest.mark.parametrize("when", [0.0, 0.1, 0.5, 1.0])
 def test_one_reading_that_is_far_too_high_stops_it_for_a_look_and_no_longer(when: float) -> None:
     tissue = SpringTissue(100.0, goal=1.0)
     tissue.pull(when)
@@ -127,6 +127,36 @@ def test_easing_that_one_low_reading_stops_goes_on() -> None:
     tissue.pull()
     assert tissue.run.is_done
     assert tissue.tension == pytest.approx(0.5, abs=0.18)
+
+
+@pytest.mark.parametrize("start", [0.006, 0.009])
+def test_easing_goes_on_where_the_first_reading_is_far_too_low(start: float) -> None:
+    tissue = SpringTissue(100.0, goal=0.4, start=start)
+    tissue.bias = -1.0
+    tissue.pull(0.025)
+    tissue.bias = 0.0
+    tissue.pull()
+    assert tissue.run.is_done
+    assert tissue.tension == pytest.approx(0.4, abs=0.1)
+
+
+@pytest.mark.parametrize("bias", [0.5, -0.5])
+def test_with_tissue_held_a_wrong_first_reading_turns_no_pull_round(bias: float) -> None:
+    tissue = SpringTissue(100.0, goal=1.0, start=0.006)
+    tissue.bias = bias
+    tissue.pull(0.025)
+    tissue.bias = 0.0
+    tissue.pull()
+    assert tissue.run.is_done
+    assert tissue.tension == pytest.approx(1.0, abs=0.1)
+
+
+def test_a_tension_too_high_with_nothing_to_ease_ends_where_it_is() -> None:
+    tissue = SpringTissue(100.0, goal=0.4)
+    tissue.bias = 1.0
+    tissue.pull(2.0)
+    assert tissue.run.is_done
+    assert tissue.run.state.s == 0.0
 
 
 def test_it_is_so_slow_that_the_stiffest_tissue_rises_by_the_tolerance_within_the_delay() -> None:

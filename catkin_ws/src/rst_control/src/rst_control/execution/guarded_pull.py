@@ -26,6 +26,8 @@ class GuardedPull(TowardsTension):
     the delay of the tension, and stops earlier by what the tension rose by within the last delay.
     One reading is enough to stop. So it looks again at rest, and goes on where that reading was
     an outlier: where the mean of a rest is short of the goal by more than the tolerance.
+    The first reading, which gives the direction, may be the outlier. So near its start the mean
+    of a rest gives the direction anew.
 
     Args:
         start: How it begins; its phase has a tension.
@@ -40,6 +42,7 @@ class GuardedPull(TowardsTension):
         self._profile = MotionProfile(start.state, self._bounds)
         super().__init__(start, self._profile, response)
         self._delay_bound = DelayBound(config.delay)
+        self._near = speed * config.delay  # [m] on which the tension may change unnoticed
         self._rest: _Rest | None = None  # in which it looks again
         self._aim = start.state.s
         self._profile.go_to(self._aim)  # where it rests until there is room
@@ -60,14 +63,15 @@ class GuardedPull(TowardsTension):
 
     def _go(self, dt: float, measured: Measurement) -> PathState:
         """Go on by a time [s], to the end or as far as the response of the tissue allows."""
-        end = self._furthest if self.is_pulling else 0.0
+        end = self._end
         aim = min(end, self._room_ends(measured))
         if abs(aim - self._aim) > SAME_AIM or (aim == end != self._aim):
             self._aim = aim
             self._profile.go_to(aim)
         state = self._profile.step(dt)
-        self.is_done = self._profile.is_done and self._aim == end
-        if self._is_reached and not self.is_done:
+        is_at_end = self._profile.is_done and self._aim == end
+        self.is_done = is_at_end and not self._is_near_start(state)
+        if (self._is_reached or is_at_end) and not self.is_done:
             self._profile = self._course = MotionProfile.braking(state, self._start.brakes)
             self._rest = _Rest(self._config.delay)
         return state
@@ -80,14 +84,25 @@ class GuardedPull(TowardsTension):
         tension = rest.mean(dt, self._now)
         if tension is None:
             return state
+        if self._is_near_start(state):
+            self.is_pulling = self._goal > tension
         missing = self._goal - tension if self.is_pulling else tension - self._goal
-        self.is_done = missing <= self._config.tolerance
+        is_at_end = abs(self._end - state.s) <= SAME_AIM
+        self.is_done = is_at_end or missing <= self._config.tolerance
         if not self.is_done:
             self._rest, self._aim = None, state.s
             self._profile = self._course = MotionProfile(state, self._bounds)
             self._profile.go_to(self._aim)
             self._delay_bound.forget()
         return state
+
+    def _is_near_start(self, state: PathState) -> bool:
+        return abs(state.s - self._start.state.s) <= self._near
+
+    @property
+    def _end(self) -> float:
+        """Where the way ends in its direction [m]."""
+        return self._furthest if self.is_pulling else 0.0
 
     @property
     def _is_reached(self) -> bool:
