@@ -105,8 +105,9 @@ class UnstampedStream:
         if pause > GAP:
             self._since += pause  # what did not come is no reason to doubt the format
         # a publisher's clock is a little off: followed slowly, it never adds up to a gap
-        most = DRIFT * duration
-        self._end = due + min(max(FOLLOWS * late, -most), most) if abs(late) <= GAP else now
+        followed = min(FOLLOWS * late, DRIFT * duration)
+        # no sound comes before it was made: what comes early shows that the expected time was late
+        self._end = due + followed if 0.0 <= late <= GAP else now
         return late if late > GAP else 0.0
 
     def _misjudged(self, duration: float, now: float) -> str:
