@@ -182,6 +182,29 @@ def test_a_stop_is_sent_while_all_that_acts_is_busy():
     assert acts.asked.count("sent stop") == AT_WORK + 3
 
 
+def test_a_stop_is_confirmed_while_other_acts_keep_all_threads_busy():
+    is_over = threading.Event()
+
+    class Slow(RecordedActs):
+        def choose_microphone(self, name):
+            assert is_over.wait(PATIENCE)
+            return super().choose_microphone(name)
+
+    async def act(_, session):
+        body, count = {"name": "USB"}, AT_WORK + 1
+        choose = (session.post("/act/microphone", json=body, headers=RIGHT) for _ in range(count))
+        refused, waiting = set(), set(map(asyncio.ensure_future, choose))
+        while not refused:
+            done, waiting = await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
+            refused |= done
+        async with session.post("/act/stop") as answer:
+            assert answer.status == 200 and (await answer.json())["done"]
+        is_over.set()
+        await asyncio.gather(*waiting)
+
+    run(act, acts=Slow())
+
+
 def test_a_microphone_is_chosen_with_the_token_only():
     acts, body = RecordedActs(), {"name": "USB"}
 

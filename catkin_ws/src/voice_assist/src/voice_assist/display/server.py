@@ -38,6 +38,34 @@ ENDS_WITHIN = 1.0  # [s] for answers under way when the server ends
 Answer = web.StreamResponse
 
 
+class Workers:
+    """Threads that carry out what is asked for on the page.
+
+    Args:
+        name: Of the threads.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._threads, self._at_work = ThreadPoolExecutor(AT_WORK, name), 0
+
+    @property
+    def are_busy(self) -> bool:
+        """Each has an act at work."""
+        return self._at_work >= AT_WORK
+
+    async def run(self, act: Callable[[Acts], Outcome], acts: Acts) -> Outcome:
+        """Carry out an act; what it raises comes through."""
+        self._at_work += 1
+        try:
+            return await asyncio.get_running_loop().run_in_executor(self._threads, act, acts)
+        finally:
+            self._at_work -= 1
+
+    def close(self) -> None:
+        """Wait for none of them."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
+
+
 class DisplayServer:
     """The page at one address, as an asynchronous context.
 
@@ -65,8 +93,8 @@ class DisplayServer:
         texts = {"language": config.language, "texts": page_texts(config.language)}
         self._files[TEXTS] = "application/json", json.dumps(texts).encode()
         self.viewers = Viewers(config.max_viewers, config.backlog)
-        self._threads = ThreadPoolExecutor(AT_WORK, "act")
-        self._at_work = 0
+        self._workers = Workers("act")
+        self._stop_workers = Workers("stop")  # its own: no other act keeps a stop waiting
         self._runner: web.ServerRunner | None = None
         self._rules: HostRules | None = None
         self._ticks: asyncio.Task[None] | None = None
@@ -100,7 +128,8 @@ class DisplayServer:
         self.viewers.drop_all()
         if self._runner is not None:
             await self._runner.cleanup()
-        self._threads.shutdown(wait=False, cancel_futures=True)
+        for workers in (self._workers, self._stop_workers):
+            workers.close()
 
     async def _run_ticks(self) -> None:
         """One event for all viewers, again and again; nothing is done while nobody looks."""
@@ -176,7 +205,7 @@ class DisplayServer:
             return _refuse_method("POST")
         if name == STOP:
             self._acts.send_stop()  # whatever else was sent with it
-            return await self._carry_out(lambda acts: acts.stop())
+            return await self._carry_out(lambda acts: acts.stop(), self._stop_workers)
         if self._token.is_locked:
             return answer(429, "too many wrong tokens: wait two seconds")
         if not self._token.admits(_token_of(request.headers)):
@@ -185,20 +214,16 @@ class DisplayServer:
             act = read_act(name, await _body(request))
         except BadRequestError as error:
             return answer(400, str(error))
-        return await self._carry_out(act)
+        return await self._carry_out(act, self._workers)
 
-    async def _carry_out(self, act: Callable[[Acts], Outcome]) -> Answer:
-        if self._at_work >= AT_WORK:
+    async def _carry_out(self, act: Callable[[Acts], Outcome], workers: Workers) -> Answer:
+        if workers.are_busy:
             return answer(503, "too much is asked for at once")
-        self._at_work += 1
         try:
-            loop = asyncio.get_running_loop()
-            outcome = await loop.run_in_executor(self._threads, act, self._acts)
+            outcome = await workers.run(act, self._acts)
         except Exception as error:  # top of an act: the person must hear of it
             self._on_error(f"an act of the page failed: {error!r}")
             outcome = Outcome(False, "it failed; the log says why")
-        finally:
-            self._at_work -= 1
         text = json.dumps({"done": outcome.is_done, "words": outcome.words})
         return answer(200, text, "application/json")
 
