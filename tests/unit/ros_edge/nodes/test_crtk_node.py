@@ -6,13 +6,13 @@ from types import SimpleNamespace
 
 import pytest
 
-from rst_control.ros.crtk.node import CrtkNode
+from rst_control.ros.crtk.node import DROPPED, CrtkNode
 
 
 def node():
     stops, it = [], object.__new__(CrtkNode)
     it._stop, it._commands = SimpleNamespace(publish=stops.append), Queue(8)
-    it.warned = []
+    it._brakes, it.warned = 0, []
     it._warn = it.warned.append
     return it, stops
 
@@ -31,8 +31,8 @@ def test_what_waits_is_dropped_by_what_stops(last, left):
     assert not stops and it._commands.qsize() == 2
     says(it, last)
     assert len(stops) == 1
-    assert [it._commands.get() for _ in range(it._commands.qsize())] == left
-    assert it.warned == [f"hey robot: dropped, since {last} came after it"]
+    assert [it._commands.get()[0] for _ in range(it._commands.qsize())] == left
+    assert it.warned == [f"hey robot: {DROPPED}"]
 
 
 def test_a_pause_does_not_take_back_that_assistance_ends():
@@ -40,4 +40,25 @@ def test_a_pause_does_not_take_back_that_assistance_ends():
     for words in ("enable", "disable", "pause"):
         says(it, words)
     assert len(stops) == 2
-    assert [it._commands.get() for _ in range(it._commands.qsize())] == ["terminate"]
+    assert [it._commands.get()[0] for _ in range(it._commands.qsize())] == ["terminate"]
+
+
+@pytest.mark.parametrize(("words", "given"), [("enable", []), ("disable", ["terminate"])])
+def test_what_was_taken_from_the_queue_is_dropped_too_while_it_waits_for_the_controller(
+    words, given
+):
+    it, _ = node()
+    says(it, words)
+
+    class Slow:
+        def wait_for_service(self, _):
+            says(it, "pause")
+
+        def __call__(self, command):
+            asked.append(command)
+            return SimpleNamespace(accepted=True)
+
+    asked, it._command = [], Slow()
+    it._give(*it._commands.get())
+    assert asked == given
+    assert it.warned == ([] if given else [f"hey robot: {DROPPED}"])

@@ -42,6 +42,7 @@ NAME_SPACE = r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*"
 WAITING = 5  # commands; of more the newest are refused
 ANSWER_WITHIN = 2.0  # [s] for the controller's service to be there
 ENDS = state_command("disable").command  # waits on, whatever stops the robot after it
+DROPPED = "dropped, since a command that stops the robot came after it"
 AGAIN = 1.0  # [s] after which an unchanged state is sent anew
 
 
@@ -59,7 +60,8 @@ class CrtkNode:
         self._state = ControllerState()
         self._state_at = self._joints_at = self._shown_at = float("-inf")
         self._published: Repeated[OperatingState] = Repeated(AGAIN)
-        self._commands: Queue[str] = Queue(WAITING)
+        self._commands: Queue[tuple[str, int]] = Queue(WAITING)  # and the brakes before
+        self._brakes = 0  # commands so far that stop the robot
         latched = {"queue_size": 10, "latch": True}
         self._operating_state = rospy.Publisher(
             f"{arm}/operating_state", operating_state_message, **latched
@@ -84,7 +86,7 @@ class CrtkNode:
             self._publish_state()
             self._known.publish_status()
             with suppress(Empty):
-                self._give(self._commands.get(timeout=0.05))
+                self._give(*self._commands.get(timeout=0.05))
 
     # --- from the threads of rospy
 
@@ -95,15 +97,16 @@ class CrtkNode:
         if not state_command(message.string).brakes:
             return
         self._stop.publish(EmptyMessage())
+        self._brakes += 1
         waiting: list[str] = []
         with suppress(Empty):  # said before; what ends assistance still counts
             while True:
-                waiting.append(self._commands.get_nowait())
+                waiting.append(self._commands.get_nowait()[0])
         for command in dict.fromkeys(waiting):
             if command == ENDS:
-                self._commands.put_nowait(command)
+                self._commands.put_nowait((command, self._brakes))
             else:
-                self._warn(f"{command}: dropped, since {message.string} came after it")
+                self._warn(f"{command}: {DROPPED}")
 
     def _on_command(self, message: StringStamped) -> None:
         follows = state_command(message.string)
@@ -111,7 +114,7 @@ class CrtkNode:
             self._warn(follows.refusal)
         elif follows.command:
             try:
-                self._commands.put_nowait(follows.command)
+                self._commands.put_nowait((follows.command, self._brakes))
             except Full:
                 self._warn(f"{message.string}: refused; {WAITING} commands wait already")
 
@@ -150,10 +153,13 @@ class CrtkNode:
         message.is_busy = found.is_busy
         self._operating_state.publish(message)
 
-    def _give(self, command: str) -> None:
+    def _give(self, command: str, brakes: int) -> None:
         """Ask the controller, as any caller; a refusal goes to CRTK's `warning`."""
         try:
             self._command.wait_for_service(ANSWER_WITHIN)
+            if brakes != self._brakes and command != ENDS:
+                self._warn(f"{command}: {DROPPED}")
+                return
             answer = self._command(command)
         except (rospy.ROSException, rospy.ServiceException) as error:
             self._warn(f"{command}: {error}")
