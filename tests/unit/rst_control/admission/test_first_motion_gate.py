@@ -73,8 +73,9 @@ def test_confirmed_it_goes_and_nothing_asks_any_more(asked):
     asked.say("tense")
     assert asked.first.confirm().accepted
     asked.set_off("tense")
-    assert asked.shown[-1] is None
     assert isinstance(asked.say("release", STILL + 1.0), Accepted)
+    assert isinstance(asked.say("tense", STILL + 2.0), Accepted)
+    assert [plan is None for plan in asked.shown] == [False, True]
     assert not asked.first.confirm().accepted
 
 
@@ -83,6 +84,7 @@ def test_until_what_was_confirmed_has_set_off_it_alone_may_come_again(asked):
     asked.first.confirm()
     assert isinstance(asked.say("tense"), Accepted)
     assert isinstance(asked.say("tense"), Accepted)  # verified again: the situation had changed
+    assert None not in asked.shown
     assert asked.say("release").reason is Reason.NOT_CONFIRMED
     assert asked.say("tense").reason is Reason.NOT_CONFIRMED
     assert asked.first.confirm().accepted

@@ -4,7 +4,7 @@
 Until a person has confirmed, every command that would move the robot is planned, verified and
 shown, and then refused. The confirmation is for the command that was shown last, from the place
 where it was shown, towards the same trocar and grasp point, and for a while. Once that motion has
-set off, nothing asks any more.
+set off, nothing asks any more, and the next command hides the path.
 """
 
 from __future__ import annotations
@@ -56,13 +56,15 @@ class FirstMotion:
         """Decide; see the module."""
         context, decision = self._context(), self._verify(request, situation)
         measured = situation.measurement
+        if self._is_free and self._shown is not None:
+            self._shown = None
+            self._show(None)
         if self._is_free or isinstance(decision, Rejected) or measured is None:
             return decision
         plan = decision.plan
         if not plan.phases:
             return decision
         if self._is_confirmed(plan, measured.position, context):
-            self._show(None)
             return replace(decision, started=self._set_free)
         self._shown, self._confirmed = (plan, measured.position, context), None
         self._show(plan)
