@@ -28,8 +28,8 @@ def heard(text, confidence=0.8):
     return Hypothesis(text, math.log(confidence), 0.0)
 
 
-def at(time, quiet=0.0, is_complete=False, is_whole=True):
-    return DecisionContext(time, quiet, is_complete, is_whole)
+def at(time, has_paused=False, is_complete=False, is_whole=True):
+    return DecisionContext(time, has_paused, is_complete, is_whole)
 
 
 def test_stop_needs_two_readings_in_a_row(judge):
@@ -44,13 +44,13 @@ def test_one_sure_reading_of_stop_is_enough(judge):
 
 
 def test_one_reading_of_stop_is_enough_in_a_pause(judge):
-    assert judge(heard("stop"), at(0.5, quiet=0.16)).command == "stop"
+    assert judge(heard("stop"), at(0.5, has_paused=True)).command == "stop"
 
 
 def test_unsure_readings_of_stop_do_not_count(judge):
     for time in (0.1, 0.2, 0.3):
         assert judge(heard("stop", 0.3), at(time)) is None
-    refused = judge(heard("stop", 0.3), at(0.8, 0.4, is_complete=True))
+    refused = judge(heard("stop", 0.3), at(0.8, True, is_complete=True))
     least = CONFIG.commands.get("stop").min_confidence
     assert refused.rejection.words == f"confidence 0.30, allowed: at least {least:.2f}"
 
@@ -59,18 +59,18 @@ def test_a_half_sure_stop_waits_for_the_pause(judge):
     least = CONFIG.commands.get("stop").min_confidence
     for time in (0.1, 0.2, 0.3):
         assert judge(heard("stop", least + 0.01), at(time)) is None
-    assert judge(heard("stop", least + 0.01), at(0.5, quiet=0.16)).command == "stop"
+    assert judge(heard("stop", least + 0.01), at(0.5, has_paused=True)).command == "stop"
 
 
 def test_after_a_stop_there_is_no_second_one(judge):
     judge.accept("stop")
-    assert judge(heard("stop", 0.99), at(0.5, 0.4, is_complete=True)) is None
+    assert judge(heard("stop", 0.99), at(0.5, True, is_complete=True)) is None
 
 
 def test_a_motion_waits_for_the_pause(judge):
     assert judge(heard("pull more"), at(0.5)) is None
-    assert judge(heard("pull more"), at(0.6, quiet=0.128)) is None
-    assert judge(heard("pull more"), at(0.7, quiet=0.16)).command == "pull more"
+    assert judge(heard("pull more"), at(0.6)) is None
+    assert judge(heard("pull more"), at(0.7, has_paused=True)).command == "pull more"
 
 
 def test_a_motion_that_stays_while_noise_goes_on_is_taken_in_the_end(judge):
@@ -88,25 +88,25 @@ def test_a_new_word_starts_the_wait_anew(judge):
 
 
 def test_the_rest_of_an_utterance_cannot_move(judge):
-    refused = judge(heard("release"), at(1.0, 0.4, is_complete=True, is_whole=False))
+    refused = judge(heard("release"), at(1.0, True, is_complete=True, is_whole=False))
     assert (
         isinstance(refused, NoMatch) and "continues a longer utterance" in refused.rejection.words
     )
-    assert judge(heard("release"), at(1.0, 0.2, is_whole=False)) is None
+    assert judge(heard("release"), at(1.0, True, is_whole=False)) is None
 
 
 def test_the_rest_of_an_utterance_can_stop(judge):
-    assert isinstance(judge(heard("stop"), at(1.0, 0.2, is_whole=False)), Match)
+    assert isinstance(judge(heard("stop"), at(1.0, True, is_whole=False)), Match)
 
 
 def test_after_a_command_the_reason_names_it(judge):
     judge.accept("hey robot")
-    refused = judge(heard("tense"), at(1.0, 0.4, is_complete=True, is_whole=False))
+    refused = judge(heard("tense"), at(1.0, True, is_complete=True, is_whole=False))
     assert refused.rejection.words.startswith("it continues 'hey robot' in the same breath")
 
 
 def test_nothing_said_is_nothing(judge):
-    assert judge(heard(""), at(1.0, 0.4, is_complete=True)) is None
+    assert judge(heard(""), at(1.0, True, is_complete=True)) is None
 
 
 def test_a_new_utterance_forgets_the_last(judge):

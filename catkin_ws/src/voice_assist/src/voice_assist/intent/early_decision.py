@@ -24,7 +24,7 @@ class DecisionContext:
     """Where in an utterance a transcript was made."""
 
     time: float  # [s] stream time
-    quiet: float  # [s] since the last speech
+    has_paused: bool  # the pause is reached after which a whole command is taken
     is_complete: bool  # the end of the utterance is confirmed
     is_whole: bool  # the transcript is of the utterance from its very beginning
     spotted: float | None = None  # [nat] the spotter's best recent score; None: none listens
@@ -121,7 +121,7 @@ class EarlyDecision:
         is_now = config.is_enabled and (
             self._votes >= config.stop_agreement
             or heard.confidence >= config.first_stop_confidence
-            or self._is_pause(context)
+            or context.has_paused
         )
         is_ready = is_now or context.is_complete
         evidence = StopEvidence(heard.confidence, is_ready, context.spotted)
@@ -141,10 +141,7 @@ class EarlyDecision:
         if self.has_decided or self._mapper.can_grow(heard.text):
             return False
         is_still = context.time - self._unchanged_since >= config.unchanged_for - _SLACK
-        return is_still or self._is_pause(context)
-
-    def _is_pause(self, context: DecisionContext) -> bool:
-        return context.quiet >= self._config.pause - _SLACK
+        return is_still or context.has_paused
 
     def _continues(self) -> Rejection:
         first = f"{self._decided!r}" if self._decided else "a longer utterance"

@@ -25,7 +25,7 @@ from voice_assist.vad.segmenter import PartialUtterance, last
 if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
 
-SLACK = 1e-6  # [s] so that sums of frame lengths reach their limits
+_SLACK = 1e-6  # [s] so that sums of frame lengths reach their limits
 _COSTS = 3  # passes; one that the machine held up makes no model slow
 _BUSY = 0.33  # share of the time that passes may take of a model slower than `partial_interval`
 
@@ -72,7 +72,7 @@ class PartialDecoder:
         self.worded_at = float("-inf")  # [s] stream time of the newest pass that found a word
         self._decoded_at: float | None = None  # [s] stream time of the newest pass
         self._has_news = False  # there was speech since the newest pass
-        self._has_paused = False  # the pause was reached since there was speech
+        self._pause_noted = False  # the pause was reached since there was speech
         self._ignored_until = float("-inf")  # [s] speech that ends before is not decoded
         self._sound: Samples | None = None  # of the newest pass
         self._scores: dict[str, float] = {}
@@ -98,12 +98,12 @@ class PartialDecoder:
             Whether a decision may have become possible.
         """
         if partial.quiet == 0.0:
-            self._has_news, self._has_paused = True, False
+            self._has_news, self._pause_noted = True, False
         if self._decoded_at is None:
             self._decoded_at = time
-        is_pause = partial.quiet >= self._config.pause - SLACK
-        is_turn = partial.utterance.is_complete or (is_pause and not self._has_paused)
-        self._has_paused |= is_pause
+        is_pause = self.has_paused(partial)
+        is_turn = partial.utterance.is_complete or (is_pause and not self._pause_noted)
+        self._pause_noted |= is_pause
         is_new = self._is_due(partial, frame, time, is_turn)
         if is_new:
             self._decode(partial, time, part, frame.is_moving)
@@ -111,7 +111,11 @@ class PartialDecoder:
 
     def is_settled(self, partial: PartialUtterance) -> bool:
         """Whether the newest transcript stands until there is speech again."""
-        return partial.quiet >= self._config.settle - SLACK
+        return partial.quiet >= self._config.settle - _SLACK
+
+    def has_paused(self, partial: PartialUtterance) -> bool:
+        """Whether the pause is reached after which a whole command is taken."""
+        return partial.quiet >= self._config.pause - _SLACK
 
     @property
     def sound(self) -> Samples:
@@ -144,7 +148,7 @@ class PartialDecoder:
             self._observer(SideInput(SideInputKind.BEHIND, frame.first_sample))
             return False
         decoded_at = time if self._decoded_at is None else self._decoded_at
-        since = time - decoded_at + SLACK
+        since = time - decoded_at + _SLACK
         if self.is_settled(partial) or since < self._config.partial_interval:
             return self.is_settled(partial)
         cost = 0.0 if frame.is_moving else min(self._costs)

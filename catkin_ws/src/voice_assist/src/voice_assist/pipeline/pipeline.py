@@ -177,7 +177,8 @@ class Pipeline:
         is_whole = partial.is_whole and not self._decoder.is_window
         spotted = self._stop_fusion.best(frame.end)
         is_complete = partial.utterance.is_complete
-        where = frame.stream_end, partial.quiet, is_complete, is_whole, spotted, frame.is_moving
+        has_paused = self._decoder.has_paused(partial)
+        where = frame.stream_end, has_paused, is_complete, is_whole, spotted, frame.is_moving
         context = DecisionContext(*where)
         verdict = self._decider(transcript, partial, context)
         return () if verdict is None else (self._conclude(verdict, partial),)

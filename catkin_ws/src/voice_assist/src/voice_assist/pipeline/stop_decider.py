@@ -10,7 +10,7 @@ from voice_assist.config import VoiceConfig
 from voice_assist.config.calibration import log_odds
 from voice_assist.intent.early_decision import DecisionContext, EarlyDecision
 from voice_assist.intent.mapper import Mapper
-from voice_assist.pipeline.partial_decoding import SLACK, PartialDecoder
+from voice_assist.pipeline.partial_decoding import PartialDecoder
 from voice_assist.text.normalize import contains, is_negated, normalize
 from voice_assist.types import Hypothesis, Match, NoMatch, Rejection, RejectionReason, Samples
 
@@ -122,7 +122,7 @@ class StopDecider:
             return None
         phrase, heard = written
         if self._stop_in_sound is None or phrase != self._stop_fusion.phrase:
-            is_last = partial.quiet >= self._recognizer_config.early.pause - SLACK
+            is_last = self._decoder.has_paused(partial)
             is_sure = is_last or self._votes >= self._config.moving.sentence_agreement
         else:
             score = self._stop_in_sound.newest(partial.utterance.samples)
