@@ -124,7 +124,9 @@ def make_rig(lead: str, plant: str, number: int = 0) -> AnyRig:
     state = lambda: rig.executor.snapshot.mode.state  # noqa: E731
     rig.link = compensated(rig.link, motion, state)
     if "followed" in plant:
-        rig.link = TrocarFollowing(rig.link, motion, rig.planner.model, state)
+        patient = rig.planner.patient
+        pose = lambda joints: patient.trocar_pose(planning_joints(joints)[0])  # noqa: E731
+        rig.link = TrocarFollowing(rig.link, motion, rig.planner.model, state, pose)
     return rig
 
 

@@ -6,12 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rst_control.kinematics.configuration import Configuration, planning_joints
+from rst_control.admission.command_queue import CommandQueue
+from rst_control.assembly import make_executor
+from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.registration.tracked_place import Report
 from rst_control.registration.trocar import TrocarRegistrar
+from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.registration.trocar_following import TrocarFollowing
 from rst_control.types import Reason, Setpoint, State
+from tests.support.fake_robot import FakeRobot
 from tests.unit.rst_control.support.executor_rig import PERIOD, Rig, shared
 
 MOST = 1e-4  # [m] of the shaft from the trocar while it breathes
@@ -33,10 +37,21 @@ class FollowingRig(Rig):
         self.amplitude, self.is_tracked, self.jump = amplitude, True, np.zeros(3)
         self.home = np.array(self.config.scene.trocar)
         self.true_robot = self.robot
-        self.robot = TrocarFollowing(
-            self.true_robot, self.config, shared()[1], lambda: self.executor.snapshot.mode.state
-        )
-        self.errors = []
+        self.robot, self.errors = self.followed(), []
+
+    def followed(self):
+        pose, model = self.context.trocar_pose, shared()[1]
+        state = lambda: self.executor.snapshot.mode.state  # noqa: E731
+        return TrocarFollowing(self.true_robot, self.config, model, state, pose)
+
+    def restart(self):
+        """The controller, alone, is started anew."""
+        self.context = ActiveTrocarContext(self.context.current)
+        clear = self.true_robot.clear_fault
+        self.executor = make_executor(self.config, self.context, clear, self.liveness)
+        self.queue = CommandQueue(self.executor, self.context.verify, lambda: self.now)
+        self.robot = self.followed()
+        return self
 
     def trocar(self):
         phase = 2.0 * np.pi * 0.25 * (self.now - 10.0)
@@ -175,10 +190,10 @@ class StillRobot:
 
 def test_a_stream_that_begins_anew_begins_where_the_robot_holds():
     """It ended while the shaft was catching up; nobody said `hold`."""
-    config, model, _ = shared()
-    settings = following_settings()
+    config, model, context = shared()
+    settings, pose = following_settings(), ActiveTrocarContext(context).trocar_pose
     robot = StillRobot(Rig().robot.measured_js())
-    following = TrocarFollowing(robot, settings, model, lambda: State.MOVING)
+    following = TrocarFollowing(robot, settings, model, lambda: State.MOVING, pose)
     q, now = robot.measured.position, 10.0
     for number in range(100):
         now += PERIOD
@@ -194,11 +209,13 @@ def test_a_stream_that_begins_anew_begins_where_the_robot_holds():
 
 
 def test_jaws_that_tissue_keeps_open_are_not_frozen():
-    config, model, _ = shared()
-    rest = Rig().robot.measured_js()
+    config, model, usual = shared()
+    context, rest = ActiveTrocarContext(usual), Rig().robot.measured_js()
     open_jaws = np.array(rest.position) + np.array([0.0] * 8 + [0.02, 0.02])
     robot = StillRobot(replace(rest, position=open_jaws))
-    following = TrocarFollowing(robot, following_settings(), model, lambda: State.MOVING)
+    following = TrocarFollowing(
+        robot, following_settings(), model, lambda: State.MOVING, context.trocar_pose
+    )
     now = 10.0
     for share in np.linspace(0.0, 1.0, 400):
         now += PERIOD
@@ -207,3 +224,71 @@ def test_jaws_that_tissue_keeps_open_are_not_frozen():
         closing = open_jaws - share * np.array([0.0] * 8 + [0.02, 0.02])
         assert "frozen" not in following.measured_js().fault
         following.servo_jp(Setpoint(closing, np.zeros(10), now))
+
+
+class PlacedRig(FollowingRig):
+    """A rig whose trocar is where the test puts it."""
+
+    def __init__(self, off=0.0):
+        super().__init__()
+        self.off = off
+        if off:  # the arm was guided into it by hand
+            model, settle = shared()[1], self.context.current.with_trocar(self.trocar()).planner
+            home = np.array(self.config.scene.home)
+            at = Configuration(model, home).T_base_tip
+            q = settle.solver.settle(home, at, settle.trocar).q
+            self.true_robot = FakeRobot(robot_joints(q, 0.0), lambda: self.now)
+            self.robot = self.followed()
+
+    def trocar(self):
+        return self.home + np.array([getattr(self, "off", 0.0), 0.0, 0.0])
+
+    def carry(self, off, seconds=2.0):
+        """Move the trocar there, slowly."""
+        first = self.off
+        for share in np.linspace(0.0, 1.0, 100):
+            self.off = first + share * (off - first)
+            self.run(seconds / 100)
+        return self
+
+
+@pytest.mark.parametrize("off", [0.002, 0.005])
+def test_a_controller_that_starts_anew_finds_the_shaft_in_the_trocar_where_that_is(off):
+    rig = PlacedRig()
+    rig.run(0.3).awake().run(0.5).carry(off).run(0.5)
+    before = rig.true_robot.measured_js().position
+    rig.restart().run(1.0)
+    assert rig.view.rcm_error < MOST
+    rig.errors.clear()
+    rig.awake().run(2.0)
+    assert np.abs(rig.true_robot.measured_js().position - before).max() < 2e-3
+    rig.finish("tense")
+    assert max(rig.errors) < MOST
+    rig.carry(0.0).run(0.5)
+    assert max(rig.errors) < 3.0 * MOST  # it goes back in steps
+
+
+def test_a_shaft_that_was_guided_into_a_trocar_that_has_moved_stays_in_it():
+    rig = PlacedRig(off=0.003)
+    rig.run(0.5)
+    rig.errors.clear()
+    rig.awake().run(2.0)
+    assert max(rig.errors) < MOST
+    assert rig.view.rcm_error < MOST
+
+
+def test_a_shaft_in_the_patient_beside_the_trocar_is_not_led_further_off():
+    rig = PlacedRig()
+    rig.run(0.3).awake().run(0.5).carry(0.005).run(0.5)
+    rig.restart().off = 0.0025  # it moved on while nobody followed
+    rig.run(1.0)
+    before = rig.true_robot.measured_js().position
+    words = rig.refused("hey robot")
+    assert "mm off the tracked trocar; nothing moves before that is within 1.00 mm" in words
+    rig.run(1.0)
+    np.testing.assert_allclose(rig.true_robot.measured_js().position, before, atol=1e-9)
+    rig.carry(0.005).run(0.5)  # it breathes
+    rig.carry(0.004).run(0.5).awake().carry(0.005).run(0.5)
+    rig.errors.clear()
+    rig.run(1.0)
+    assert max(rig.errors) < MOST

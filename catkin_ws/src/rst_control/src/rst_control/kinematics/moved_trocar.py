@@ -13,6 +13,7 @@ from rst_control.kinematics.robot_model import RobotModel
 from rst_control.types import ARM_COUNT, PLAN_COUNT, Vector
 
 ITERATIONS: Final = 4  # of Newton's method: from 8 mm the rest is far below a nanometre
+PASSES: Final = 10  # of the fixed point: each leaves about a tenth
 SHALLOW, DEEP = 0.03, 0.08  # [m] of the tip in the trocar: from here the tip begins to be kept
 
 
@@ -60,4 +61,23 @@ def shifted_joints(model: RobotModel, q: Vector, trocar: Vector, shift: Vector) 
         error = np.concatenate([off, frames[forward.TIP, :, 3] - tip])
         J = np.vstack([J_rcm[:, :ARM_COUNT], J_tip[:3, :ARM_COUNT]])
         change[:ARM_COUNT] -= J.T @ np.linalg.solve(J @ J.T, error)
+    return change
+
+
+def held_shift(model: RobotModel, q: Vector, trocar: Vector, shift: Vector) -> Vector:
+    """Change by `shifted_joints` that joints hold already: the fixed point d = s(q - d).
+
+    Args:
+        model: The robot.
+        q: Planning configuration towards the trocar where it is now [rad]. Shape (9,).
+        trocar: Where it was, base frame, [m]. Shape (3,).
+        shift: By which it moved, base frame, [m]. Shape (3,).
+
+    Returns:
+        The change [rad], so that q less it is the configuration towards the trocar where it was;
+        zero for the tool's. Shape (9,).
+    """
+    change = np.zeros(PLAN_COUNT)
+    for _ in range(PASSES):
+        change = shifted_joints(model, np.array(q) - change, trocar, shift)
     return change

@@ -6,6 +6,10 @@ what it receives is changed back. So all plans, watchdogs and brakes hold toward
 moves. The trocar is followed while the controller is active, from "hey robot" to "stop" or
 "terminate". A tracker that is not believed is a fault of the robot: the controller brakes and
 latches, and the shaft stays where it is.
+
+A controller that starts, or a robot that was guided by hand, may hold the shaft in a trocar that
+has moved already. While nothing is sent, the shift that the joints hold is found from them. A shaft
+in the patient and in neither trocar is a fault: what is followed would lever on the body wall.
 """
 
 from __future__ import annotations
@@ -17,9 +21,11 @@ from typing import Final
 import numpy as np
 
 from rst_control.config import MotionConfig
-from rst_control.kinematics.configuration import planning_joints, robot_joints
-from rst_control.kinematics.moved_trocar import shifted_joints
+from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
+from rst_control.kinematics.moved_trocar import held_shift, shifted_joints
+from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import RobotModel
+from rst_control.planning.patient_surface import TrocarPose
 from rst_control.registration.followed_trocar import TrackedTrocar
 from rst_control.registration.tracked_place import Report
 from rst_control.robot.backend import RobotBackend
@@ -39,6 +45,7 @@ class TrocarFollowing(ChangedRobot):
         config: Settings; `scene.trocar` is the trocar where it is expected.
         model: The robot.
         state: What the controller is doing.
+        trocar_pose: Where the tool is towards the trocar, for joint positions of shape (10,).
     """
 
     def __init__(
@@ -47,17 +54,20 @@ class TrocarFollowing(ChangedRobot):
         config: MotionConfig,
         model: RobotModel,
         state: Callable[[], State],
+        trocar_pose: Callable[[Vector], TrocarPose],
     ) -> None:
         settings, sensors = config.controller, config.controller.watchdogs.sensors
         super().__init__(robot, settings.tension.delay, state)
         self._model, self._config = model, settings.tracking.trocar
+        self._trocar_pose = trocar_pose
         self._trocar, self._tolerance = np.array(config.scene.trocar), config.rcm.measured_tolerance
         self.tracked = TrackedTrocar(settings.tracking, self._trocar)
         after = sensors.frozen_after + settings.watchdogs.joint_state_age + self._lag
         self._frozen = FrozenJoints(sensors.frozen_way, after)
         self.shift, self._speed = np.zeros(3), np.zeros(3)  # [m] followed so far, and [m/s]
         self._is_near = False  # it caught up with the trocar since it began to follow
-        self._sent: Vector | None = None
+        self._sent: Vector | None = None  # newest set-point; None: the robot holds by itself
+        self._beside: float | None = None  # [m] of a held shaft off the trocar; None: it is in one
 
     def take(self, report: Report) -> None:
         """Take in where a tracker sees the trocar."""
@@ -67,8 +77,33 @@ class TrocarFollowing(ChangedRobot):
         """The joints as if the trocar had not moved, and whether it may be followed."""
         if self._raw is not None:
             self._frozen.update(self._raw, measured, kept_open(measured, self._sent))
+        is_found = self._sent is None and self._find_shift(measured)
         fault = measured.fault or self._fault(measured.stamp)
-        return replace(self.noted.undone(measured), fault=fault)
+        seen = replace(self.noted.undone(measured), fault=fault)
+        # the joints as the controller has them jump, as of a robot that was lost meanwhile
+        return replace(seen, connected=False) if is_found else seen
+
+    def _find_shift(self, measured: Measurement) -> bool:
+        """Take the tracked trocar's shift where the shaft is in that one alone, at its nearest."""
+        before, self._beside, now = self._beside, None, measured.stamp
+        if not measured.connected or self.tracked.objection(now) is not None:
+            return False
+        if self._trocar_pose(measured.position).is_outside:
+            return False
+        if self._off(self.noted.undone(measured).position, self._trocar) <= self._tolerance:
+            return False
+        shift, _ = self.tracked.shift(now)
+        off = self._off(measured.position, self._trocar + shift)
+        if before is None or off > self._tolerance or off < before:
+            self._beside = off
+            return False
+        self.shift, (q, _) = shift, planning_joints(measured.position)
+        self.noted.start(robot_joints(held_shift(self._model, q, self._trocar, shift), 0.0))
+        return True
+
+    def _off(self, joints: Vector, trocar: Vector) -> float:
+        """Distance of the shaft from a trocar [m]."""
+        return rcm_state(Configuration(self._model, planning_joints(joints)[0]), trocar).error
 
     def servo_jp(self, setpoint: Setpoint) -> None:
         """Send a set-point, changed for the trocar as it is when the joints get there."""
@@ -96,7 +131,7 @@ class TrocarFollowing(ChangedRobot):
         """Why nothing may move; empty: all is well."""
         if words := self._frozen.objection:
             return Cause(Reason.SENSOR_FAULT, words).coded
-        cause = self.tracked.objection(now) or self._behind(now)
+        cause = self.tracked.objection(now) or self._behind(now) or self._in_no_trocar()
         return "" if cause is None else cause.coded
 
     def _behind(self, now: float) -> Cause | None:
@@ -107,6 +142,14 @@ class TrocarFollowing(ChangedRobot):
             return None
         words = f"shaft {gap * 1e3:.2f} mm behind the trocar that it follows"
         return Cause(Reason.TRACKER_TOO_FAR, f"{words}, allowed {allowed * 1e3:.2f} mm")
+
+    def _in_no_trocar(self) -> Cause | None:
+        """Whether the shaft that the robot holds is in the patient beside its trocar."""
+        if self._beside is None:
+            return None
+        words = f"shaft held {self._beside * 1e3:.2f} mm off the tracked trocar"
+        allowed = f"nothing moves before that is within {self._tolerance * 1e3:.2f} mm of it"
+        return Cause(Reason.TRACKER_TOO_FAR, f"{words}; {allowed}")
 
     @property
     def _is_following(self) -> bool:

@@ -57,6 +57,10 @@ class SentChanges:
             self._changes.popleft()
         return self.newest
 
+    def start(self, position: Vector) -> None:
+        """Begin anew, where the robot holds joints that are changed [rad] already. Shape (10,)."""
+        self._changes = deque([Change(-np.inf, position, STILL)])
+
     def rest(self) -> None:
         """Note that the robot holds: the change stays as it is."""
         last = self.newest

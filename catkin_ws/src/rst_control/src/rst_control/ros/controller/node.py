@@ -143,7 +143,8 @@ class ControllerNode:
         self._grasp_point = GraspPointService(grasp_point, self._places, frames, limiter)
         follows = settings.tracking.trocar.motion == FOLLOWED
         robot = compensated(self._link, config, self._state_of)
-        following = TrocarFollowing(robot, config, model, self._state_of) if follows else None
+        where = self._context.trocar_pose
+        following = TrocarFollowing(robot, config, model, self._state_of, where) if follows else None
         self._robot: RobotBackend = following or robot
         tracked = TrackedGrasp(settings.tracking, self._context, grasp_point)
         self._tracker = TrackerLink(
