@@ -7,10 +7,13 @@ import pytest
 import rospy
 
 from typed_config import load_yaml
+from voice_assist.alarms.board import Standing
+from voice_assist.alarms.presenter import latch_alarm
 from voice_assist.alarms.screen import NO_WORD
 from voice_assist.alarms.types import Kind
 from voice_assist.config import CONFIG_DIR
 from voice_assist.msg import Alarm
+from voice_assist.ros.alarms import messages
 from voice_assist.ros.alarms import node as alarm_node
 from voice_assist.ros.alarms.viewer import Lines, Viewer
 
@@ -115,3 +118,16 @@ def test_answers_have_a_log_of_their_own(monkeypatch):
     monkeypatch.setattr(alarm_node, "Player", lambda *parts: made.append(parts))
     node._make_player(SimpleNamespace(enter_context=lambda one: one))
     assert alarm_node._say_sound in made[0] and alarm_node._say_unspoken in made[0]
+
+
+def test_alarms_go_by_a_clock_that_nobody_sets(monkeypatch):
+    before = alarm_node._now()
+    monkeypatch.setattr(rospy, "get_time", lambda: -600.0)
+    assert 0.0 <= alarm_node._now() - before < 60.0
+
+
+def test_since_when_an_alarm_stands_is_told_by_the_clock_of_messages():
+    standing = Standing("latch", latch_alarm("stopped", "stopped", False), since=30.0)
+    message = messages.alarm_message([standing], now=42.0, stamp=1000.0)
+    assert message.header.stamp.to_sec() == 1000.0
+    assert message.since.to_sec() == 988.0

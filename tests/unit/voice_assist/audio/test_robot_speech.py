@@ -94,3 +94,7 @@ def test_its_midst_is_decoded_only_while_it_speaks():
     hear(OVER, (0.0, True), recognizer=recognizer)
     passes = recognizer.heard[before:]
     assert sum(length <= CONFIG.window + SILENCE for length in passes) > before / 2
+
+
+def test_after_the_clock_was_set_back_it_is_not_speaking_for_all_that_time():
+    assert commands(hear("tense", (600.0, True), (601.0, False))) == ["tense"]

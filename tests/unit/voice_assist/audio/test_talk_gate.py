@@ -44,3 +44,17 @@ def test_after_a_reset_it_stands_as_it_stood():
     made = gate((False, 0.0), (True, 5.0))
     made.reset()
     assert made.was_open(10.0, 11.0)
+
+
+@pytest.mark.parametrize("back", [5.0, 600.0])
+def test_after_the_clock_was_set_back_a_press_counts_as_it_is_reported(back):
+    made = gate((True, 0.0), (False, 1000.0), (True, 1001.0))
+    made.update(TalkChange(False, 1005.0 - back))
+    assert not made.was_open(1006.0 - back, 1007.0 - back)
+    made.update(TalkChange(True, 1008.0 - back))
+    assert made.was_open(1009.0 - back, 1010.0 - back)
+
+
+@pytest.mark.parametrize("is_open", [True, False])
+def test_after_the_clock_was_set_back_it_stands_as_it_stood(is_open):
+    assert gate((not is_open, 0.0), (is_open, 1000.0)).was_open(500.0, 501.0) is is_open

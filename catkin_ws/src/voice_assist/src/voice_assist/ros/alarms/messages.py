@@ -63,21 +63,22 @@ def part_health(status: DiagnosticStatus) -> PartHealth:
     return PartHealth(status.name, level >= 2, status.message, code)  # ERROR or STALE
 
 
-def alarm_message(standing: Sequence[Standing], now: float) -> AlarmMessage:
+def alarm_message(standing: Sequence[Standing], now: float, stamp: float) -> AlarmMessage:
     """What comes first, with all else that stands.
 
     Args:
         standing: What comes first in front; empty: all is well.
-        now: Stamp [s].
+        now: By the clock of what stands [s].
+        stamp: The same by the clock of messages [s].
     """
     message = AlarmMessage()
-    message.header.stamp = rospy.Time.from_sec(now)
+    message.header.stamp = rospy.Time.from_sec(stamp)
     if not standing:
         return message
     first = standing[0]
     message.kind, message.priority = first.alarm.kind.value, int(first.alarm.priority)
     message.cause, message.next_step = first.alarm.cause, first.alarm.next_step
-    message.since = rospy.Time.from_sec(first.since)
+    message.since = rospy.Time.from_sec(max(stamp - (now - first.since), 0.0))
     message.acknowledged = first.is_acknowledged
     message.others = [line(entry.alarm) for entry in standing[1:]]
     return message

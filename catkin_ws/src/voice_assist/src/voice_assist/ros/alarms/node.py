@@ -8,6 +8,7 @@ the threads that hear and move.
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from dataclasses import replace
@@ -131,7 +132,7 @@ class AlarmNode:
         standing = self._board.standing
         if standing != self._shown:
             self._shown, self._said = standing, self._in_language(standing)
-            self._alarm.publish(messages.alarm_message(self._said, now))
+            self._alarm.publish(messages.alarm_message(self._said, now, _stamp()))
             self._log(self._said, now)
             self._show(now)
         elif standing and is_lit(standing[0].alarm.priority, now) is not self._was_lit:
@@ -146,7 +147,7 @@ class AlarmNode:
     def _show(self, now: float) -> None:
         first = self._said[0].alarm if self._said else None
         self._was_lit = first is None or is_lit(first.priority, now)
-        marker = messages.alarm_marker(first, self._was_lit, self._config.look, now)
+        marker = messages.alarm_marker(first, self._was_lit, self._config.look, _stamp())
         self._marker.publish(marker)
 
     def _log(self, standing: tuple[Standing, ...], now: float) -> None:
@@ -195,7 +196,7 @@ class AlarmNode:
 
     def _show_heard(self, words: str, is_taken: bool) -> None:
         shown_for = self._config.board.shown_for
-        marker = messages.heard_marker(words, is_taken, self._config.look, shown_for, _now())
+        marker = messages.heard_marker(words, is_taken, self._config.look, shown_for, _stamp())
         self._heard.publish(marker)
 
     def _on_utterance(self, message: Utterance) -> None:
@@ -240,4 +241,9 @@ def _say_unspoken(words: str) -> None:
 
 
 def _now() -> float:
+    """By a clock that nobody sets: alarms come, sound and go by it [s]."""
+    return time.monotonic()
+
+
+def _stamp() -> float:
     return float(rospy.get_time())
