@@ -3,7 +3,13 @@
 
 import pytest
 
-from tests.unit.voice_assist.support.fake_pipeline import commands, decisions, make, run
+from tests.unit.voice_assist.support.fake_pipeline import (
+    FakeSpotting,
+    commands,
+    decisions,
+    make,
+    run,
+)
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say
 from voice_assist.config import load_voice_config
 from voice_assist.side_inputs import SideInputKind
@@ -173,3 +179,36 @@ def test_a_motion_said_three_times_is_done_once():
 def test_what_is_no_motion_is_said_once(said):
     events = hear(f"0.3 {said}", odds=None, is_enabled=False, commands__said_twice=True)
     assert commands(events) == [said]
+
+
+def test_after_a_change_of_mode_at_the_robot_no_answer_does_it():
+    pipeline, noted, hear_on = ask_by_hand(f"0.8 {YES}")
+    pipeline.follow(Mode.ACTIVE)  # as it is reported all the time
+    pipeline.follow(Mode.STANDBY)
+    pipeline.follow(Mode.ACTIVE)
+    assert pipeline.answer_by_hand("pull more", True) is None
+    assert commands(hear_on()) == []
+    assert by_hand(noted) == []
+
+
+@pytest.mark.parametrize("score", [0.9, 1.5, 3.5])
+def test_a_stop_beside_the_answer_counts_as_beside_a_motion(score):
+    changes = {
+        "recognizer__ask__is_enabled": True,
+        "recognizer__ask__answer": YES,
+        "moving__refuse_spotter": 1.0,
+        "moving__spotter_alone": 3.0,
+    }
+    spotting = FakeSpotting(0.0)
+    pipeline, clock = make(Mode.ACTIVE, FakeRecognizer(odds=NEARLY), spotting=spotting, **changes)
+    sound = iter(frames(say(f"0.3 pull more 0.8 {YES} 0.5")))
+    while not actions(run(pipeline, clock, [next(sound)])):
+        pass
+    spotting.score = score
+    heard = run(pipeline, clock, sound)
+    if score < 1.0:
+        assert commands(heard) == ["pull more"]
+    elif score < 3.0:
+        assert commands(heard) == [] and reasons(heard) == [RejectionReason.SECOND_VOICE]
+    else:
+        assert commands(heard) == ["stop"]

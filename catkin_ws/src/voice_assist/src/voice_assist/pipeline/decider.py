@@ -163,7 +163,10 @@ class Decider:
         return self._decoder.verify(self._texts(match, transcript)[match.command])
 
     def confirmed(self, phrase: str, answer: Hypothesis, partial: PartialUtterance) -> Verdict:
-        """A motion that was asked for, or why the answer is not taken."""
+        """A motion that was asked for, a stop beside the answer, or why the answer is not taken."""
+        stop = self.stops.beside(answer, partial)
+        if stop is not None:
+            return stop
         command, wer = self._config.commands.get(phrase), self._mapper(answer.text).wer
         match = Match(phrase, wer)
         rejection = self._rejection_rules(command, answer, self._decoder.sound, partial)

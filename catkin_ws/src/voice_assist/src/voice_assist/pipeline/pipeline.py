@@ -318,6 +318,7 @@ class Pipeline:
         if mode is not self._dialogue_state.mode:
             found = SideInput(SideInputKind.ROBOT_MODE, self._next_sample, mode=mode.value)
             self._observer(found)
+            self._question.close()
         outcome = step(self._dialogue_state, ModeReported(mode))
         self._dialogue_state = outcome.state
         return outcome.actions
