@@ -213,3 +213,13 @@ def test_a_service_that_is_not_there_is_not_asked(monkeypatch, acts):
     monkeypatch.setattr(rospy, "ServiceProxy", lambda *_, **__: proxy)
     assert acts.stop().words == "the controller does not answer"
     assert not proxy.asked.is_set()
+
+
+@pytest.mark.parametrize("is_taken", [True, False])
+def test_a_question_stays_on_the_page_until_an_answer_is_taken(monkeypatch, acts, is_taken):
+    ended = []
+    monkeypatch.setattr(acts._theatre, "end_question", lambda: ended.append(1))
+    reply = SimpleNamespace(success=is_taken, message="so")
+    monkeypatch.setattr(acts_module, "_call", lambda *_, **__: reply)
+    outcome = acts.answer("pull more", True)
+    assert (outcome.is_done, bool(ended)) == (is_taken, is_taken)

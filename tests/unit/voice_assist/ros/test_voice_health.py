@@ -35,3 +35,20 @@ def test_fresh_sound_is_listening_and_old_or_late_sound_is_an_error():
     for late in ({"frame_done": 9.4}, {"frame_done": 9.9, "behind": 0.6}):
         level, _, fault = told(10.0, trouble="", **late)
         assert level == DiagnosticStatus.ERROR and fault is HearingFault.SLOW
+
+
+def test_what_is_said_of_one_microphone_is_not_said_of_the_next():
+    health = diagnostics.VoiceHealth(model="none", source="none", capacity=60)
+    health.note_microphone("headset")
+    health.remark = "channel 2 is turned over"
+    health.note_microphone("headset")
+    assert health.remark
+    health.note_microphone("desk")
+    assert (health.microphone, health.remark) == ("desk", "")
+
+
+def test_what_is_wrong_goes_before_a_remark():
+    heard = {"trouble": "", "frame_done": 9.9, "remark": "channel 2 is turned over"}
+    assert told(10.0, **heard)[1] == heard["remark"]
+    assert told(10.0, **heard, queued=31)[1] == "recognition falls behind"
+    assert told(10.0, **heard, clipped=0.5)[1].startswith("the microphone clips")

@@ -53,6 +53,11 @@ class VoiceHealth:
         elif before and not trouble:
             rospy.loginfo("sound comes in")
 
+    def note_microphone(self, name: str) -> None:
+        """Note the microphone that is heard; what was remarked of another one is over."""
+        if name != self.microphone:
+            self.microphone, self.remark = name, ""
+
     def note_remark(self, words: str) -> None:
         """Note what a person should know of the sound, and log it once."""
         if words and words != self.remark:
@@ -138,11 +143,11 @@ def _summary(
         return error, health.spotter_failure, HearingFault.SPOTTER_FAILED
     if health.controller:
         return warning, health.controller, None
-    if health.remark:
-        return warning, health.remark, None
     if health.queued > health.capacity // 2:
         return warning, "recognition falls behind", None
     if health.clipped >= CLIPPED:
         share = f"{health.clipped:.0%} of the sound, allowed below {CLIPPED:.0%}"
         return warning, f"the microphone clips {share}: turn its gain down", None
+    if health.remark:
+        return warning, health.remark, None
     return DiagnosticStatus.OK, "listening", None

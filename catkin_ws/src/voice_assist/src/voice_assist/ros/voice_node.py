@@ -145,7 +145,7 @@ class VoiceNode:
             for frame in source:
                 if self._over.is_set():
                     return
-                self._health.microphone = service.note_name()
+                self._health.note_microphone(service.note_name())
                 self._health.note_remark(source.remark)
                 self._health.note_trouble(watch(frame), watch.fault)
                 frame = self._robot.with_motion(frame)

@@ -25,7 +25,7 @@ from voice_assist.types import RATE, Frame
 
 _QUEUE = 500  # blocks of 32 ms between the sound card's thread and the reader
 _CHECK_EVERY = 2.0  # [s] between checks that a PulseAudio source is still there
-_CHOICE_TIME = 10.0  # [s] in which a choice is answered: one search for devices may take 2 s
+_CHOICE_TIME = 6.0  # [s] in which a choice is taken up: one search for devices may take 2 s more
 _OVERFLOW_GAP = 0.02  # [s] from which late sound after a reported overflow counts as lost
 
 Pause = Callable[[float], bool]  # waits so many seconds; True: give up now

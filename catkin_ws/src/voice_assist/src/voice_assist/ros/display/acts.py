@@ -62,7 +62,8 @@ class RosActs:
         reply = _call(ANSWER, AnswerQuestion, command, is_yes)
         if reply is None:
             return Outcome(False, "the voice node does not answer")
-        self._theatre.end_question()
+        if reply.success:
+            self._theatre.end_question()
         return Outcome(bool(reply.success), reply.message)
 
     def set_grasp_point(self, x: float, y: float, stamp: float) -> Outcome:
