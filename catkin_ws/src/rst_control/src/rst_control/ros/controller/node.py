@@ -144,7 +144,9 @@ class ControllerNode:
         follows = settings.tracking.trocar.motion == FOLLOWED
         robot = compensated(self._link, config, self._state_of)
         where = self._context.trocar_pose
-        following = TrocarFollowing(robot, config, model, self._state_of, where) if follows else None
+        following = (
+            TrocarFollowing(robot, config, model, self._state_of, where) if follows else None
+        )
         self._robot: RobotBackend = following or robot
         tracked = TrackedGrasp(settings.tracking, self._context, grasp_point)
         self._tracker = TrackerLink(
