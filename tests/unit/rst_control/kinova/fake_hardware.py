@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rst_control.kinematics.configuration import robot_joints
+from rst_control.kinematics.configuration import planning_joints, robot_joints
 from rst_control.kinova.arm_state import ArmReport, ArmState, SoftLimits
 from rst_control.kinova.bridge import Bridge
 from rst_control.kinova.feedback import JointFeedback
@@ -130,3 +130,20 @@ class Way:
         point = self.path.evaluate(self.profile.state.s)
         speed = point.dq * self.profile.state.speed
         return robot_joints(point.q, OPENING), robot_joints(speed, 0.0)
+
+
+def standing(hardware):
+    """Set-points that hold the robot where it is now."""
+    stand = hardware.joints
+    return lambda now: (stand, np.zeros(10))
+
+
+def closing(hardware):
+    """Set-points that close the jaws where the arm stands."""
+    q, _ = planning_joints(hardware.joints)
+
+    def close(now):
+        opening = max(0.0, 0.6 - (now - hardware.start))
+        return robot_joints(q, opening), robot_joints(np.zeros(9), -1.0 if opening else 0.0)
+
+    return close

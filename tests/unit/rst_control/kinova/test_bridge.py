@@ -13,7 +13,7 @@ from rst_control.kinova.bridge import Lead
 from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.tool import ToolState
 from rst_control.tension.gravity_check import RestTorques
-from tests.unit.rst_control.kinova.fake_hardware import OPENING, FakeHardware
+from tests.unit.rst_control.kinova.fake_hardware import OPENING, FakeHardware, closing, standing
 
 
 def shaft_error(planner, joints):
@@ -185,11 +185,6 @@ def test_nothing_moves_before_guard_and_tool_are_there(kinova, hardware, way):
         assert one.tools == []
 
 
-def standing(hardware):
-    stand = hardware.joints
-    return lambda now: (stand, np.zeros(10))
-
-
 @pytest.mark.parametrize("lost", ["guard", "homing", "tool"])
 def test_what_is_lost_in_motion_stops_the_arm_and_latches(hardware, way, lost):
     hardware.advance(1.5, way)
@@ -239,17 +234,6 @@ def test_the_tool_goes_along_with_the_arm_and_within_its_limits(hardware, way, k
         assert (np.array(tool.lower) <= joints).all() and (joints <= np.array(tool.upper)).all()
 
 
-def closing(hardware):
-    """Set-points that close the jaws where the arm stands."""
-    q, _ = planning_joints(hardware.joints)
-
-    def close(now):
-        opening = max(0.0, 0.6 - (now - hardware.start))
-        return robot_joints(q, opening), robot_joints(np.zeros(9), -1.0 if opening else 0.0)
-
-    return close
-
-
 def test_jaws_that_stay_open_tell_of_tissue(hardware):
     hardware.tissue, close = 0.1, closing(hardware)
     hardware.advance(1.0, close)
@@ -258,24 +242,6 @@ def test_jaws_that_stay_open_tell_of_tissue(hardware):
     hardware.tissue = 0.0  # it slipped
     hardware.advance(0.3, close)
     assert not hardware.bridge.is_gripped
-
-
-def test_it_is_not_homed_while_tissue_is_held_or_the_arm_is_led(hardware, way):
-    tool = hardware.bridge.tool
-    hardware.bridge.on_contact(True)
-    hardware.bridge._grip.is_gripped = True
-    assert "hold tissue" in hardware.bridge.begin_homing() and tool.is_homed
-    hardware.bridge._grip.is_gripped = False
-    hardware.advance(1.0, way)
-    assert "not at rest: course" in hardware.bridge.begin_homing() and tool.is_homed
-
-
-def test_while_it_is_homed_no_set_point_moves_the_arm(hardware, way):
-    assert hardware.bridge.begin_homing() == ""
-    place = hardware.arm.copy()
-    hardware.advance(1.0, way)
-    np.testing.assert_array_equal(hardware.arm, place)
-    assert "not homed" in hardware.bridge.fault(hardware.now)
 
 
 def test_closing_on_nothing_grips_nothing(hardware):

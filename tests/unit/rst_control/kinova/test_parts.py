@@ -55,7 +55,15 @@ class TestFeedback:
         turn = 2 * np.pi
         np.testing.assert_allclose(read_on.position, [turn - 3.1, 3.1 - turn, 3.1])
         read_on = read.read(NAMES, values(-3.0, 3.0, -3.1), 0.025)
-        np.testing.assert_allclose(read_on.position, [turn - 3.0, 3.0 - turn, turn - 3.1])
+        np.testing.assert_allclose(read_on.position, [turn - 3.0, 3.0 - turn, -3.1])
+
+    def test_a_limited_joint_that_was_guided_far_in_an_outage_is_where_the_driver_says(self):
+        config = load_kinova_config()
+        names = config.bridge.arm.joints
+        read = FeedbackReader(names, (1.0,) * 7, config.first_turns)
+        for joint_4 in (2.3, -1.2, 2.3):
+            told = read.read(names, values(*(0.0,) * 3, joint_4, *(0.0,) * 3), 0.0)
+            assert told.position[3] == joint_4
 
     def test_only_joints_that_turn_for_ever_take_the_turn_of_home(self):
         config = load_kinova_config()

@@ -26,7 +26,7 @@ from rst_control.kinova.arm_state import ArmReport, ArmWatch
 from rst_control.kinova.brake_plan import BrakePlan, LastCourse
 from rst_control.kinova.config import BEAT_PERIOD, KinovaConfig, bridge_limits
 from rst_control.kinova.feedback import JointFeedback
-from rst_control.kinova.readiness import Readiness
+from rst_control.kinova.readiness import HELD_TO_HOME, Readiness
 from rst_control.kinova.tool import Grip, Tool
 from rst_control.kinova.velocity_follower import Follower
 from rst_control.kinova.velocity_ramp import next_due
@@ -199,11 +199,15 @@ class Bridge:
 
     def begin_homing(self) -> str:
         """Take the tool out of service, to be homed; why that cannot be; empty: it was done."""
-        if self._lead is not Lead.NOBODY:
-            return f"the arm is not at rest: {self._lead.value}"
+        is_led = self._lead is Lead.COURSE
+        is_standing = is_led and self._ready.is_led_at_rest(self.last_course, self._stepped)
+        if self._lead is not Lead.NOBODY and not is_standing:
+            return f"the arm is not at rest ({self._lead.value}): wait, then ask for homing again"
         if self.is_gripped:
             return "the jaws hold tissue: release it first"
-        self.tool.is_homed = False
+        if is_led and self._servo is not None:
+            self._servo.fail(HELD_TO_HOME, self._stepped)  # the next steps stop the arm
+        self.tool.is_homed, self._opening = False, None
         return ""
 
     # What the controller receives.
@@ -342,9 +346,5 @@ class Bridge:
         if now >= self._stop_due:
             self._stop_due = now + self._config.arm.period
             self._hardware.stop()
-        arm, config = self._ready.arm, self._config.arm
-        is_fresh = arm is not None and now - arm.stamp <= config.feedback_age
-        if not is_fresh or servo.state is not ServoState.HOLDING:
-            return
-        if arm is not None and float(np.abs(arm.velocity).max()) <= config.rest_speed:
+        if servo.state is ServoState.HOLDING and self._ready.is_at_rest(now):
             self._lead, self._goals = Lead.NOBODY, None

@@ -43,8 +43,9 @@ class FeedbackReader:
     Args:
         names: Joints as the driver names them, in our order.
         signs: Our joint over the driver's, each 1 or -1; shape (n,).
-        near: Angles [rad] that the first state is half a turn from, at most; NaN: as reported.
-            None: the driver's angles do not start again after a turn. Shape (n,).
+        near: Angles [rad] that the first state is half a turn from, at most. NaN: a joint that
+            does not turn for ever; it is always as reported. None: the driver's angles do not start
+            again after a turn. Shape (n,).
     """
 
     def __init__(
@@ -80,7 +81,8 @@ class FeedbackReader:
         if len(values["effort"]):
             effort = self._signs * _picked("effort", values["effort"], order, len(names))
         if self._last is not None:
-            position = self._last = unwrapped(position, self._last)
+            position = unwrapped(position, self._last)
+            self._last = np.where(np.isnan(self._last), np.nan, position)
         count = len(order)
         return JointFeedback(
             frozen_array(position, count),

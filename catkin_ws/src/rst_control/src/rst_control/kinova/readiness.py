@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from rst_control.kinova.arm_state import ArmWatch
+from rst_control.kinova.brake_plan import LastCourse
 from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.tool import Tool
@@ -15,6 +16,7 @@ from rst_control.tension.gravity_check import RestTorques
 
 STARTING: Final = "the arm's driver never reported its joints: is it running?"
 NO_GUARD: Final = "the stop guard was never heard: start the node kinova_guard"
+HELD_TO_HOME: Final = 'the arm is held to home the tool: when it is homed, say "hey robot"'
 
 
 class Readiness:
@@ -46,6 +48,20 @@ class Readiness:
             np.array_equal(getattr(last, row), getattr(feedback, row))
             for row in ("position", "velocity", "effort")
         )
+
+    def is_at_rest(self, now: float) -> bool:
+        """Whether the arm is measured at rest, by joints that are not old at a time [s]."""
+        arm, config = self.arm, self._config.arm
+        if arm is None or now - arm.stamp > config.feedback_age:
+            return False
+        return float(np.abs(arm.velocity).max()) <= config.rest_speed
+
+    def is_led_at_rest(self, last: LastCourse | None, now: float) -> bool:
+        """Whether the arm's course stands still, and the arm with it, at a time [s]."""
+        if last is None or last.speed.any():
+            return False
+        sent = float(np.abs(last.sent).max())  # not zero where it makes up for the joints' noise
+        return sent <= self._config.arm.rest_speed and self.is_at_rest(now)
 
     def objection(self, now: float) -> str:
         """Why the arm may not be led at a time [s]; empty: it may."""
