@@ -33,6 +33,7 @@ from bench.site.plant_session import AnyRig, Seen, Session
 from rst_control.assembly import compensated
 from rst_control.config import CONFIG_FOLDER, PACKAGE, MotionConfig, load_simulation_config
 from rst_control.config.plant import PlantConfig
+from rst_control.kinematics.configuration import planning_joints
 from rst_control.registration.trocar_following import TrocarFollowing
 from support.figures import ROOT, Figure
 from typed_config import load_config, load_yaml, overlaid
