@@ -68,7 +68,7 @@ LATCHES: Final = {  # by ControllerState.halt_reason_code: what braked and latch
     "off_trocar": Advice(f"Look at the trocar; set it anew if it moved, {_ON}"),
     "over_tension": Advice('Say "hey robot", then "release".'),
     "slipped": Advice('Look at the tissue; say "hey robot", then "tense".'),
-    "voice_silent": Advice("Check the microphone; give commands by hand meanwhile."),
+    "voice_silent": Advice("Check microphone and clocks; give commands by hand meanwhile."),
     "overtime": Advice(f"Look what holds the robot up, {_ON}"),
     "loop_error": Advice("Free the tissue by hand; start the controller again."),
 }
@@ -100,7 +100,7 @@ REFUSALS: Final = _refusals(  # by the code of an event refused, trocar_refused 
         "not_confirmed": "Look at the path that is shown, then confirm it.",
         "no_master": "Start the ROS master again.",
         "node_lost": "Start the node that is named.",
-        "voice_silent": "Check the microphone; give commands by hand meanwhile.",
+        "voice_silent": "Check microphone and clocks; give commands by hand meanwhile.",
         "sensor_fault": "Check the sensor that is named.",
         "unknown_frame": "Give a frame that tf joins to base_link.",
         "tracker_stale": "Check the tracker and its view.",
