@@ -4,9 +4,11 @@ import math
 import numpy as np
 import pytest
 
+from session_log.mcap_file.reader import SessionReader
 from session_log.report.session.extract import extract
 from support.message_classes import class_of
 from support.story import MOTION, OUTSIDE_UNTIL, SPEECH, Story, recording_of
+from tests.unit.session_log.support.foreign import write_foreign
 
 
 def test_every_utterance_is_there_with_its_times(data):
@@ -151,3 +153,30 @@ def test_joint_states_without_positions_give_no_joints(tmp_path, report_config):
     story.say(1.0, "/joint_states", "sensor_msgs/JointState", name=ARM)
     found = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config)
     assert found.joints is None and not found.missing_fields
+
+
+def test_after_the_clock_was_set_back_fast_topics_are_taken_again(tmp_path, report_config):
+    story = Story()
+    wrench = class_of("geometry_msgs/WrenchStamped")().wrench
+    wrench.force.z = 1.0
+    chunk = {"rate": 16000, "samples": [1] * 512}
+    for begin in (0.0, -60.0):  # [s]
+        for k in range(10):
+            time = begin + 0.1 * k
+            story.say(time, "/robot/tension", "geometry_msgs/WrenchStamped", wrench=wrench)
+            joints = {"name": ARM, "position": [0.1, 0.2]}
+            story.say(time, "/joint_states", "sensor_msgs/JointState", **joints)
+            story.say(time, "/rst_control/state", "rst_control/ControllerState", state="active")
+            story.say(time, "/voice_assist/audio", "voice_assist/AudioChunk", **chunk)
+    data = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config)
+    tables = (data.tension, data.joints, data.controller, data.sound)
+    assert [len(table) for table in tables] == [20] * 4
+    assert len(data.recording.clock_steps) == 1
+
+
+def test_messages_that_are_none_of_ros_1_are_counted_as_unfit(tmp_path, report_config):
+    topics = ["/rst_control/event", "/rst_control/state", "/joint_states", "/odd"]
+    reader = SessionReader(write_foreign(tmp_path / "s.mcap", topics))
+    found = extract(reader, report_config)
+    assert found.undecodable == dict.fromkeys(topics[:3], 1)
+    assert found.recording.messages == 4

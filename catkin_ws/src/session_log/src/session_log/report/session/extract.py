@@ -136,6 +136,9 @@ class _Extractor:
         source, topic = message.source, message.source.topic
         if self._origin is None:
             self._origin = message.log_time
+        if not source.is_ros1:
+            is_known = topic in self._loops or topic in self._fast or topic in self._slow
+            return [self._count_unfit] if is_known else []
         found: list[FastTopic | LoopTopic] = []
         if topic in self._loops:
             found.append(LoopTopic(source, self._loops[topic], self._origin))
@@ -147,6 +150,9 @@ class _Extractor:
         if topic in self._slow:
             takers.append(partial(self._decode, self._slow[topic]))
         return takers
+
+    def _count_unfit(self, message: Message) -> None:
+        self._data.undecodable[message.source.topic] += 1
 
     def _decode(self, take: Callable[[Any], None], message: Message) -> None:
         self._now = self._relative(message.log_time)

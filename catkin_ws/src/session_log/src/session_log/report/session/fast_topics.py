@@ -36,11 +36,15 @@ class FastTopic:
     ) -> None:
         self._source, self._take, self._data, self._origin = source, take, data, origin
         self._period, self._due = round(period * 1e9), 0
+        self._latest = 0  # [ns] log time of the message before
         self._payloads: list[bytes] = []
         self._arrivals: list[int] = []
 
     def add(self, message: Message) -> None:
-        """Take one message, unless it is not due yet."""
+        """Take one message, unless it is not due yet; begin anew where the clock was set back."""
+        if message.log_time < self._latest:
+            self._due = message.log_time
+        self._latest = message.log_time
         if message.log_time < self._due:
             return
         self._due = max(self._due + self._period, message.log_time)
