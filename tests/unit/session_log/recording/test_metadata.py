@@ -1,8 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import hashlib
 import subprocess
+from fractions import Fraction
+from types import SimpleNamespace
+from xmlrpc.client import Binary, DateTime
+
+import yaml
 
 from session_log.recording import metadata
+from session_log.recording.namespace import Namespace
+from session_log.ros import recorder_node
 
 
 def test_the_commit_and_what_was_changed_since_are_named(tmp_path):
@@ -57,3 +64,51 @@ def test_changes_that_git_does_not_tell_in_time_are_unknown(tmp_path, monkeypatc
 
     monkeypatch.setattr(metadata.subprocess, "run", answer)
     assert metadata.code_facts(tmp_path) == {"commit": "abc123", "changed_files": "unknown"}
+
+
+def test_dates_binary_data_and_unknown_types_cost_no_other_parameter():
+    date, odd = DateTime("20261121T09:30:00"), Fraction(1, 3)
+    values = {"a": {"day": date, "all": [date]}, "b": Binary(b"\0\xff"), "c": 2, "d": odd}
+    facts = metadata.parameter_facts(values)
+    day = "20261121T09:30:00"
+    found = {key: yaml.safe_load(text) for key, text in facts.items()}
+    assert found == {"a": {"day": day, "all": [day]}, "b": b"\0\xff", "c": 2, "d": "1/3"}
+
+
+class Wordless:
+    def __str__(self):
+        raise ValueError("no words\nfor it")
+
+
+def test_a_parameter_that_cannot_be_written_has_the_reason_in_its_place():
+    facts = metadata.parameter_facts({"bad": Wordless(), "good": 1})
+    assert facts["good"].startswith("1")
+    assert facts["bad"] == f"{metadata.NOT_RECORDED}ValueError: no words for it"
+    assert yaml.safe_load(facts["bad"]) is None
+
+
+def test_a_value_too_long_for_a_path_names_no_file():
+    words = "/" + "x" * 5000
+    assert metadata.named_facts({"robot": words}) == {"robot": words}
+
+
+def test_one_odd_parameter_costs_neither_the_others_nor_the_robot(monkeypatch):
+    parameters = {"bad": Wordless(), "day": DateTime("20261121T09:30:00"), "gain": 1}
+    parameters |= {"session": {"voice": {"seed": 7}}, "robot_description": "<robot/>"}
+    recorded, offered, warned = {}, [], []
+    recorder = SimpleNamespace(
+        register=lambda source: source,
+        add_metadata=recorded.__setitem__,
+        offer=lambda tally, data: offered.append(data[4:]),
+    )
+    master = SimpleNamespace(getParam=lambda name: parameters)
+    monkeypatch.setattr(recorder_node.rosgraph, "Master", lambda name: master)
+
+    def warn(period, text):
+        warned.append(text)
+
+    monkeypatch.setattr(recorder_node.rospy, "logwarn_throttle", warn)
+    recorder_node.ParameterWatcher(recorder, Namespace("/")).check()
+    assert set(recorded["parameters"]) == {"bad", "day", "gain"}
+    assert recorded["session/voice"] == {"seed": "7"} and offered == [b"<robot/>"]
+    assert len(warned) == 1 and "/bad: ValueError" in warned[0]

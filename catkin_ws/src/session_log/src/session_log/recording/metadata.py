@@ -12,11 +12,14 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
+from xmlrpc.client import Binary
 
 import yaml
 
 PACKAGES = ("numpy", "torch", "openai-whisper", "pybullet", "ruckig", "mcap", "matplotlib")
 HASHED_SUFFIX = "_sha256"
+NOT_RECORDED = "# not recorded: "  # begins the text of a parameter that cannot be written
+_PLAIN = (bool, int, float, str, bytes)  # what YAML holds, beside lists and mappings
 
 
 def code_facts(folder: Path) -> dict[str, str]:
@@ -63,11 +66,13 @@ def session_facts(started: int, seed: int) -> dict[str, str]:
 
 
 def parameter_facts(parameters: Mapping[str, Any]) -> dict[str, str]:
-    """Flatten the parameter server into one YAML text per top-level key; the URDF is kept apart."""
+    """Flatten the parameter server into one YAML text per top-level key; the URDF is kept apart.
+
+    Binary data stay so. Other types that YAML does not hold, such as dates, become text. A key
+    that cannot be written at all has NOT_RECORDED and the reason in place of its value.
+    """
     return {
-        key: yaml.safe_dump(value, default_flow_style=False, width=120).strip()
-        for key, value in sorted(parameters.items())
-        if key != "robot_description"
+        key: _yaml(value) for key, value in sorted(parameters.items()) if key != "robot_description"
     }
 
 
@@ -75,9 +80,8 @@ def named_facts(facts: Mapping[str, Any]) -> dict[str, str]:
     """Turn what a node says about itself into text; a named file gets its hash beside it."""
     words = {str(key): str(value) for key, value in facts.items()}
     for key, value in list(words.items()):
-        path = Path(value)
-        if path.is_absolute() and path.is_file() and key + HASHED_SUFFIX not in words:
-            words[key + HASHED_SUFFIX] = file_hash(path)
+        if _is_file(value) and key + HASHED_SUFFIX not in words:
+            words[key + HASHED_SUFFIX] = file_hash(Path(value))
     return words
 
 
@@ -88,6 +92,35 @@ def file_hash(path: Path) -> str:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError:
         return ""
+
+
+def _yaml(value: Any) -> str:
+    try:
+        return yaml.safe_dump(_plain(value), default_flow_style=False, width=120).strip()
+    except Exception as error:  # whatever is wrong with one key must not cost the others
+        reason = " ".join(str(error).split())  # on one line, or it would be no comment
+        return f"{NOT_RECORDED}{type(error).__name__}: {reason}"
+
+
+def _plain(value: Any) -> Any:
+    """A parameter in types that YAML holds; XML-RPC also carries dates and binary data."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, Binary):
+        return value.data
+    if value is None or type(value) in _PLAIN:
+        return value
+    return str(value)
+
+
+def _is_file(words: str) -> bool:
+    path = Path(words)
+    try:
+        return path.is_absolute() and path.is_file()
+    except OSError:  # too long for a path
+        return False
 
 
 def _git(folder: Path, *words: str) -> str | None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import hashlib
 import threading
 import time
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -89,7 +90,9 @@ class ParameterWatcher:
             rospy.logwarn_throttle(10.0, "cannot read the parameters: %s", error)
             return
         facts = parameters.pop(FACTS, {})
-        self._record("parameters", metadata.parameter_facts(parameters))
+        texts = metadata.parameter_facts(parameters)
+        self._record("parameters", texts)
+        _warn_of_lost(texts)
         for name, values in facts.items() if isinstance(facts, dict) else ():
             if isinstance(values, dict):
                 self._record(f"session/{name}", metadata.named_facts(values))
@@ -111,6 +114,14 @@ class ParameterWatcher:
         is_new = self._hashes.get(name) != digest
         self._hashes[name] = digest
         return is_new
+
+
+def _warn_of_lost(texts: Mapping[str, str]) -> None:
+    """Name the parameters that could not be recorded."""
+    lost = metadata.NOT_RECORDED
+    found = [f"/{key}: {text[len(lost) :]}" for key, text in texts.items() if text.startswith(lost)]
+    if found:
+        rospy.logwarn_throttle(60.0, f"parameters that are not recorded: {'; '.join(found)}")
 
 
 def add_facts(
