@@ -42,6 +42,7 @@ class _Session:
     summary: SessionSummary
     pool: Pool  # of this session alone
     notes: tuple[Note, ...]
+    key: dict[str, object]  # what its page depends on
 
 
 def write_report(
@@ -75,7 +76,7 @@ def reduce_session(
         path: The recording.
         folder: Where summary and page are kept; made if it is not there.
         config: Settings of the report.
-        with_page: Also write the session's own page, unless it is there.
+        with_page: Also write the session's own page, unless it is there and still true.
 
     Raises:
         SessionLogError: The recording cannot be read, or the folder cannot be written.
@@ -84,7 +85,7 @@ def reduce_session(
         folder.mkdir(parents=True, exist_ok=True)
         key = cache.key_of(path, config, read_notes(path))
         known = cache.load(folder, key)
-        if known is not None and (not with_page or (folder / PAGE_NAME).exists()):
+        if known is not None and (not with_page or cache.is_page_of(folder / PAGE_NAME, key)):
             return known
         session = _read(SessionReader(path), config)
         if with_page:
@@ -96,13 +97,15 @@ def reduce_session(
 
 
 def _read(reader: SessionReader, config: ReportConfig) -> _Session:
+    notes = read_notes(reader.path)
+    key = cache.key_of(reader.path, config, notes)  # before: the file may grow meanwhile
     data = extract(reader, config)
     rows, rcm = command_rows(data, config), rcm_from_joints(data, config)
     summary = summarise(session_name(reader.path), data, rows, rcm, config)
     pool = Pool(config)
     pool.add(reader.path, None, summary)
     material = SessionMaterial(data, rows, config, rcm, summary.trials)
-    return _Session(material, summary, pool, read_notes(reader.path))
+    return _Session(material, summary, pool, notes, key)
 
 
 def _write(session: _Session, folder: Path, config: ReportConfig, latex: bool) -> Report:
@@ -112,6 +115,6 @@ def _write(session: _Session, folder: Path, config: ReportConfig, latex: bool) -
     text = session_page(
         session.material, session.summary, session.pool, images | pooled, session.notes
     )
-    target.write_text(text, encoding="utf-8")
+    target.write_text(cache.marked(text, session.key), encoding="utf-8")
     tex = write_latex(session.pool, folder) if latex else []
     return Report(target, written + more, tex)

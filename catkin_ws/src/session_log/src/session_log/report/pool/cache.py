@@ -16,6 +16,7 @@ from session_log.report.notes import Note
 from session_log.report.session.summary import SessionSummary, from_json
 
 FILE_NAME = "report_summary.json"
+_MARK = "<!-- made with {} -->\n"  # the last line of a page
 VERSION = 5  # of what a summary holds and of how it is computed; raise it when either changes
 
 
@@ -36,6 +37,26 @@ def key_of(recording: Path, config: ReportConfig, notes: Sequence[Note] = ()) ->
         "settings": sha256(settings).hexdigest()[:16],
         "notes": sha256(repr(notes).encode()).hexdigest()[:16],
     }
+
+
+def marked(page: str, key: dict[str, object]) -> str:
+    """The text of a page, and behind it the key that it was made with."""
+    return page + _mark(key)
+
+
+def is_page_of(page: Path, key: dict[str, object]) -> bool:
+    """Whether there is a page, and it was made with this key."""
+    mark = _mark(key).encode()
+    try:
+        with page.open("rb") as file:
+            file.seek(max(file.seek(0, os.SEEK_END) - len(mark), 0))
+            return file.read() == mark
+    except OSError:
+        return False
+
+
+def _mark(key: dict[str, object]) -> str:
+    return _MARK.format(sha256(json.dumps(key, sort_keys=True).encode()).hexdigest())
 
 
 def load(folder: Path, key: dict[str, object]) -> SessionSummary | None:
