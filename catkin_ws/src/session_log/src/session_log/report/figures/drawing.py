@@ -13,7 +13,7 @@ import matplotlib.style
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from session_log.config import ReportConfig
-from session_log.report.figures import ReportFigure
+from session_log.report.figures import ReportFigure, fonts
 from session_log.report.figures.style import NARROW, RC, WIDE, Layout
 from session_log.report.page import Image
 
@@ -32,7 +32,7 @@ def draw(
         OSError: The folder cannot be written.
     """
     images, written = {}, []
-    with mpl.style.context(RC):
+    with mpl.style.context({**RC, "font.family": fonts.families()}), fonts.glyphs_named_once():
         for figure in figures:
             if not figure.can_draw(material):
                 continue

@@ -34,7 +34,6 @@ STATE_COLORS = {
     "faulted": PURPLE,
 }
 RC: dict[str, Any] = {
-    "font.family": "sans-serif",
     "font.size": 8.0,
     "axes.titlesize": 8.5,
     "axes.labelsize": 8.0,
