@@ -11,6 +11,7 @@ from session_log.cli import main
 from session_log.recording.recorder import MANY_PUBLISHERS
 from session_log.types import Message, MessageSource
 from support.story import recording_of
+from tests.unit.session_log.support.foreign import write_foreign
 from typed_config import package_version
 
 
@@ -118,6 +119,27 @@ def test_export_gives_tables_and_the_sound(story, tmp_path, capsys):
 def test_export_of_a_topic_that_was_not_recorded_says_so(story, tmp_path, capsys):
     code, out, _ = run(capsys, "export", story[0], "--out", tmp_path, "--topic", "/none")
     assert code == 0 and "/none: nothing recorded" in out
+
+
+def test_export_takes_a_topic_without_its_leading_slash(story, tmp_path, capsys):
+    code, out, _ = run(
+        capsys, "export", story[0], "--out", tmp_path, "--topic", "voice_assist/utterance"
+    )
+    assert code == 0 and "voice_assist_utterance.csv: 13 rows" in out
+    assert "nothing recorded" not in out
+
+
+def test_export_says_why_a_recorded_topic_has_no_table(tmp_path, capsys):
+    path = write_foreign(tmp_path / "s.mcap")
+    code, out, _ = run(capsys, "export", path, "--out", tmp_path, "--topic", "/t")
+    assert code == 0 and "nothing recorded" not in out
+    assert "1 messages do not fit their definition\n/t: not a std_msgs/String: recorded as" in out
+
+
+def test_recover_of_another_encoding_is_one_clear_line(tmp_path, capsys):
+    code, out, err = run(capsys, "recover", write_foreign(tmp_path / "s.mcap"))
+    assert (code, out) == (1, "") and err.startswith("session_log: /t: recorded as 'cdr' with")
+    assert err.count("\n") == 1 and not (tmp_path / "s_recovered.mcap").exists()
 
 
 def test_exports_of_two_recordings_of_one_folder_are_kept_apart(story, tmp_path, capsys):

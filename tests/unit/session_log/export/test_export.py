@@ -4,7 +4,9 @@ import wave
 import pytest
 
 from session_log.export.export import ParquetMissing, export_topics
-from support.story import Story, recording_of
+from session_log.mcap_file.reader import SessionReader
+from support.story import Story, numbered, recording_of
+from tests.unit.session_log.support.foreign import write_foreign
 
 
 def test_lost_sound_becomes_silence_of_the_same_length(tmp_path):
@@ -33,3 +35,38 @@ def test_parquet_without_pyarrow_says_what_to_install_and_writes_nothing(monkeyp
     with pytest.raises(ParquetMissing, match=r"requirements-parquet\.txt.*--format csv"):
         export_topics(reader, tmp_path / "out", [], "/a", ("csv", "parquet"))
     assert not (tmp_path / "out").exists()
+
+
+def test_topics_of_one_plain_name_and_of_two_types_have_a_file_each(tmp_path):
+    story = Story()
+    story.say(0.0, "/a_b", "std_msgs/String", data="flat")
+    story.say(0.1, "/a/b", "std_msgs/String", data="nested")
+    story.say(0.2, "/a/b_2", "std_msgs/String", data="numbered")
+    del story.sources["/a/b"]
+    story.say(0.3, "/a/b", "voice_assist/Mode", mode="active", reason="second")
+    reader = recording_of(tmp_path / "s.mcap", numbered(story.messages))
+    result = export_topics(reader, tmp_path / "out", ["/a_b", "/a/b_2", "/a/b"], "/none")
+    found = {path.stem: path.read_text("utf-8").split(",")[-1].strip() for path in result.rows}
+    assert found == {"a_b": "nested", "a_b_2": "numbered", "a_b_3": "flat", "a_b_4": "second"}
+    assert set(result.rows.values()) == {1} and result.topics == {"/a_b", "/a/b", "/a/b_2"}
+
+
+@pytest.mark.parametrize(
+    ("datatype", "fields"),
+    [("std_msgs/String", {"data": "x"}), ("voice_assist/AudioChunk", {"rate": 0, "samples": [1]})],
+)
+def test_sound_of_another_type_is_counted_and_the_tables_are_whole(tmp_path, datatype, fields):
+    story = Story()
+    story.say(0.0, "/sound", datatype, **fields)
+    story.say(0.1, "/t", "std_msgs/String", data="later")
+    reader = recording_of(tmp_path / "s.mcap", story.messages)
+    result = export_topics(reader, tmp_path / "out", ["/t", "/sound"], "/sound")
+    assert (result.undecodable, result.sound, list(result.unfit)) == (1, None, ["/sound"])
+    assert {path.name: rows for path, rows in result.rows.items()} == {"sound.csv": 1, "t.csv": 1}
+
+
+def test_messages_of_another_encoding_are_counted_and_not_written(tmp_path):
+    reader = SessionReader(write_foreign(tmp_path / "s.mcap"))
+    result = export_topics(reader, tmp_path / "out", ["/t"], "/none")
+    assert (result.undecodable, result.rows) == (1, {})
+    assert "recorded as 'cdr' with schema 'ros2msg'" in result.unfit["/t"]

@@ -22,3 +22,9 @@ def test_what_does_not_fit_its_definition_is_named(definition, data):
     message = Message(MessageSource("/odd", "odd_msgs/Odd", "", definition), data, 1, 1)
     with pytest.raises(Undecodable, match="/odd: not a odd_msgs/Odd"):
         Decoder().decode(message)
+
+
+def test_a_message_of_another_encoding_is_not_taken_for_one_of_ros_1():
+    source = MessageSource("/t", "std_msgs/String", "", "string data", message_encoding="cdr")
+    with pytest.raises(Undecodable, match="'cdr' with schema 'ros1msg', only 'ros1' with"):
+        Decoder().decode(Message(source, b"\1\0\0\0x", 1, 1))

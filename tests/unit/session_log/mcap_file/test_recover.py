@@ -3,8 +3,12 @@ import pytest
 from mcap.reader import make_reader
 
 from session_log.errors import OutputFailed
+from session_log.mcap_file.encoding import WrongEncoding
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.recover import recover
+from session_log.types import Message, MessageSource
+from tests.unit.session_log.support.foreign import EARLIER, NOW, write_foreign
+from tests.unit.session_log.support.unchunked import UnchunkedWriter
 
 
 def test_a_killed_recording_becomes_a_sound_indexed_file(story, tmp_path):
@@ -54,3 +58,37 @@ def test_half_a_copy_is_not_kept(story, tmp_path, monkeypatch):
             recover(reader, target)
     assert not target.exists()
     assert recover(reader, target).messages == len(story[1])
+
+
+@pytest.mark.parametrize(
+    ("encoding", "schema"), [("cdr", "ros2msg"), ("json", "jsonschema"), ("ros1", "protobuf")]
+)
+def test_messages_that_are_none_of_ros_1_are_refused_and_left_alone(tmp_path, encoding, schema):
+    path = write_foreign(tmp_path / "s.mcap", message_encoding=encoding, schema_encoding=schema)
+    before = path.read_bytes()
+    words = f"/t: recorded as '{encoding}' with schema '{schema}', only 'ros1' with 'ros1msg' is"
+    with pytest.raises(WrongEncoding, match=words):
+        recover(SessionReader(path), tmp_path / "new.mcap")
+    assert path.read_bytes() == before and list(tmp_path.iterdir()) == [path]
+
+
+def test_a_copy_keeps_the_time_of_publishing(tmp_path):
+    path = write_foreign(tmp_path / "s.mcap", message_encoding="ros1", schema_encoding="ros1msg")
+    assert recover(SessionReader(path), tmp_path / "new.mcap").messages == 1
+    with (tmp_path / "new.mcap").open("rb") as file:
+        ((_, _, message),) = make_reader(file).iter_messages()
+    assert (message.publish_time, message.log_time) == (NOW - EARLIER, NOW)
+
+
+def test_a_damaged_encoding_in_a_file_of_ours_is_no_other_encoding(tmp_path):
+    path = tmp_path / "s.mcap"
+    source = MessageSource("/t", "std_msgs/String", "99" * 16, "string data", "/p")
+    writer = UnchunkedWriter(path)
+    writer.add(Message(source, b"\0\0\0\0", NOW, 1))
+    writer.commit()
+    writer.abandon()
+    encoding = b"\4\0\0\0ros1"
+    content = path.read_bytes()
+    assert content.count(b"/t" + encoding) == 1
+    path.write_bytes(content.replace(b"/t" + encoding, b"/t" + encoding[:-1] + b"9"))
+    assert recover(SessionReader(path), tmp_path / "new.mcap").condition.damage

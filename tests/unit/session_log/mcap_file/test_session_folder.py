@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from session_log.config import RecorderConfig
 from session_log.errors import SessionMissing
 from session_log.mcap_file import session_folder
 from session_log.mcap_file.reader import SessionReader
@@ -14,6 +15,7 @@ from session_log.mcap_file.session_folder import (
     sessions_folder,
 )
 from session_log.types import Message, MessageSource
+from typed_config import ConfigError, load_config
 
 NOW = 1_795_200_000_000_000_000
 SOURCE = MessageSource("/t", "std_msgs/String", "992c", "string data", "/p")
@@ -23,6 +25,19 @@ ROOT = Path(__file__).resolve().parents[4]
 def test_a_named_folder_counts():
     assert sessions_folder("/data/sessions") == Path("/data/sessions")
     assert sessions_folder("~/x") == Path.home() / "x"
+
+
+@pytest.mark.parametrize("folder", ["sessions", "./x", "~nobody_of_that_name/x"])
+def test_a_folder_without_its_whole_path_is_refused_by_name(recorder_settings, folder):
+    """roslaunch runs a node in $ROS_HOME: there nobody looks for it."""
+    with pytest.raises(ConfigError, match=f"{folder}.*a whole path, or one that begins with ~"):
+        load_config(RecorderConfig, {**recorder_settings, "folder": folder}, "recorder.yaml")
+
+
+@pytest.mark.parametrize("folder", ["", "/data/sessions", "~", "~/x"])
+def test_a_whole_path_or_one_from_home_is_allowed(recorder_settings, folder):
+    settings = {**recorder_settings, "folder": folder}
+    assert load_config(RecorderConfig, settings, "recorder.yaml").folder == folder
 
 
 def test_without_a_name_recordings_go_to_the_repository():

@@ -2,12 +2,16 @@
 """The player before it meets ROS: what keeps it from playing is one line, at once."""
 
 import sys
+from pathlib import Path
 
 import pytest
 
+from session_log.mcap_file.encoding import WrongEncoding
+from session_log.mcap_file.reader import SessionReader
 from session_log.ros import player_node
 from session_log.types import Message, MessageSource
 from support.story import recording_of
+from tests.unit.session_log.support.foreign import write_foreign
 
 
 @pytest.mark.parametrize("is_there", [False, True])
@@ -46,3 +50,21 @@ def test_ctrl_c_ends_a_long_pause_of_the_recording(monkeypatch, tmp_path):
     player = player_node.RecordingPlayer(session, 1.0, "/played", pytest.fail)
     player.play()
     assert slept and max(slept) <= player_node.LONGEST_SLEEP
+
+
+def test_messages_that_are_none_of_ros_1_are_not_played(tmp_path):
+    session = SessionReader(write_foreign(tmp_path / "s.mcap"))
+    player = player_node.RecordingPlayer(session, 1.0, "/played", pytest.fail)
+    with pytest.raises(WrongEncoding, match="/t: recorded as 'cdr'"):
+        player.prepare()
+
+
+def test_a_folder_that_may_not_be_read_is_one_line(monkeypatch, tmp_path):
+    def refuse(path):
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(sys, "argv", ["play", str(tmp_path)])
+    monkeypatch.setattr(Path, "iterdir", refuse)
+    with pytest.raises(SystemExit) as end:
+        player_node.main()
+    assert str(end.value) == f"{tmp_path}: Permission denied"

@@ -63,24 +63,27 @@ def _recover(arguments: argparse.Namespace) -> int:
 
 
 def _export(arguments: argparse.Namespace) -> int:
-    from session_log.export.export import FORMATS, Format, export_topics, file_stem
+    from session_log.export.export import FORMATS, Format, export_topics
 
     config = _config(arguments.config)
     topics = config.topics
-    wanted = arguments.topic or [topics.utterance, topics.event, topics.state, topics.mode]
+    wanted = [topics.utterance, topics.event, topics.state, topics.mode]
+    if arguments.topic:
+        wanted = ["/" + topic.strip("/") for topic in arguments.topic]
     reader = SessionReader(arguments.session)
     folder = arguments.out or report_folder(reader.path) / "export"
     formats: tuple[Format, ...] = FORMATS[arguments.format]
     result = export_topics(reader, folder, wanted, topics.audio, formats)
     for path, rows in result.rows.items():
         print(f"{path}: {rows} rows")
-    written = {path.stem for path in result.rows}
-    for topic in sorted(topic for topic in set(wanted) if file_stem(topic) not in written):
+    for topic in sorted(set(wanted) - result.topics - result.unfit.keys()):
         print(f"{topic}: nothing recorded")
     if result.sound:
         print(f"{result.sound}: {result.samples} samples, {result.lost_samples} lost")
     if result.undecodable:
         print(f"{result.undecodable} messages do not fit their definition")
+        for reason in result.unfit.values():
+            print(reason)
     return 0
 
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from pathlib import Path
 
 from typed_config import ConfigError, flag, integer, items, number, require, text
 
 TOPIC = re.compile(r"(/[A-Za-z]\w*)+", re.ASCII)
+FOLDER = "a whole path, or one that begins with ~: a node runs in a folder of its own"
 LEAST_SPACE = 10_000_000  # [B] below it no recording goes on
 
 
@@ -36,6 +38,7 @@ class RecorderConfig:
 
     def __post_init__(self) -> None:
         """Check what no key's range can show."""
+        require(not self.folder or _is_whole(self.folder), "folder", self.folder, FOLDER)
         _require_patterns(self.exclude)
         for key in ("subscribe_early", "wait_for"):
             for index, topic in enumerate(getattr(self, key)):
@@ -139,6 +142,13 @@ def require_topics(topics: object) -> None:
     """
     for key, topic in vars(topics).items():
         require(TOPIC.fullmatch(topic) is not None, key, topic, "the whole name of a topic: /name")
+
+
+def _is_whole(folder: str) -> bool:
+    try:
+        return Path(folder).expanduser().is_absolute()
+    except RuntimeError:  # of a person who is not known here
+        return False
 
 
 def _require_patterns(patterns: tuple[str, ...]) -> None:

@@ -6,6 +6,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
+MESSAGE_ENCODING: Final = "ros1"  # of every message that this package records
+SCHEMA_ENCODING: Final = "ros1msg"  # of its definition
 URDF_TOPIC: Final = "/robot_description"  # std_msgs/String; as a parameter ROS has the same
 
 
@@ -19,6 +21,8 @@ class MessageSource:
     definition: str  # full text, nested definitions included
     publisher: str = ""  # name of the publishing node
     is_latched: bool = False
+    message_encoding: str = MESSAGE_ENCODING
+    schema_encoding: str = SCHEMA_ENCODING
     _hash: int = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -29,6 +33,11 @@ class MessageSource:
     def __hash__(self) -> int:
         return self._hash
 
+    @property
+    def is_ros1(self) -> bool:
+        """Whether its messages are those of ROS 1; no others can be decoded or copied."""
+        return (self.message_encoding, self.schema_encoding) == (MESSAGE_ENCODING, SCHEMA_ENCODING)
+
 
 class Message(NamedTuple):
     """One recorded message, still as bytes; an hour of session holds six millions."""
@@ -37,6 +46,7 @@ class Message(NamedTuple):
     data: bytes
     log_time: int  # [ns] since 1970, when it was received
     sequence: int  # counts the source's messages from 1; a gap means loss
+    publish_time: int = 0  # [ns] since 1970; 0: the same as the log time
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,13 @@ from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from importlib.util import find_spec
+from itertools import count
+from operator import index
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
 from session_log.errors import OutputFailed, SessionLogError
-from session_log.mcap_file.decoder import Decoder, Undecodable, fields_of, is_time
+from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable, fields_of, is_time
 from session_log.mcap_file.reader import SessionReader
 from session_log.types import Message
 
@@ -48,6 +50,8 @@ class Export:
     samples: int = 0
     lost_samples: int = 0
     undecodable: int = 0
+    topics: set[str] = field(default_factory=set)  # those that have a table
+    unfit: dict[str, str] = field(default_factory=dict)  # why, of each topic's first such message
 
 
 def export_topics(
@@ -60,7 +64,8 @@ def export_topics(
     """Write one table per topic, named after it, and the sound of the audio topic as audio.wav.
 
     Messages are written as they are read: memory does not grow with the recording. Where a topic
-    changes its type, what follows goes to a file of its own, numbered.
+    changes its type, what follows goes to a file of its own, numbered. So does a topic whose file
+    would have the name of another's: /a_b beside /a/b.
 
     Args:
         reader: The recording, sound or not.
@@ -109,39 +114,56 @@ class _Exporter:
         self._topics, self._audio, self._formats = topics, audio, formats
         self._decoder = Decoder()
         self._tables: dict[tuple[str, str, str], list[_Table]] = {}
+        self._stems = file_stems(topics)
+        self._used = set(self._stems.values())
         self._wave: _WaveFile | None = None
         self._result = Export()
 
     def run(self, reader: SessionReader) -> Export:
         for message in reader.messages({*self._topics, self._audio}):
             try:
-                self._take(message, self._decoder.decode(message))
-            except Undecodable:
+                self._take(message)
+            except (Undecodable, MissingField) as error:
                 self._result.undecodable += 1
+                self._result.unfit.setdefault(error.topic, str(error))
         tables = [table for group in self._tables.values() for table in group]
         self._result.rows = {table.path: table.rows for table in tables}
+        self._result.topics = {topic for topic, *_ in self._tables}
         if self._wave:
             self._result.sound = self._wave.path
             self._result.samples, self._result.lost_samples = self._wave.samples, self._wave.lost
         return self._result
 
-    def _take(self, message: Message, content: Any) -> None:
+    def _take(self, message: Message) -> None:
         topic = message.source.topic
-        if topic == self._audio:
-            if self._wave is None:
-                path = self._folder / "audio.wav"
-                self._wave = self._stack.enter_context(_WaveFile(path, content.rate))
-            self._wave.add(content.first_sample, content.samples)
         if topic in self._topics:
+            content = self._decoder.decode(message)
             for table in self._tables_of(message):
                 table.add(message, content)
+        if topic == self._audio:
+            try:
+                self._decoder.read(message, self._hear)
+            except (TypeError, ValueError, OverflowError) as error:  # fields of other types
+                raise Undecodable(message, error) from error
+
+    def _hear(self, content: Any) -> None:
+        rate, first = index(content.rate), index(content.first_sample)
+        samples = array("h", content.samples)
+        if rate <= 0:
+            raise ValueError(f"rate is {rate}, allowed: above 0")
+        if self._wave is None:
+            path = self._folder / "audio.wav"
+            self._wave = self._stack.enter_context(_WaveFile(path, rate))
+        self._wave.add(first, samples)
 
     def _tables_of(self, message: Message) -> list[_Table]:
         source = message.source
         key = (source.topic, source.datatype, source.md5sum)
         if key not in self._tables:
-            before = sum(topic == source.topic for topic, *_ in self._tables)
-            stem = file_stem(source.topic) + (f"_{before + 1}" if before else "")
+            stem = self._stems[source.topic]
+            if any(topic == source.topic for topic, *_ in self._tables):
+                stem = _free(stem, self._used)
+                self._used.add(stem)
             opened = [self._open(stem, name, message) for name in self._formats]
             self._tables[key] = [self._stack.enter_context(table) for table in opened]
         return self._tables[key]
@@ -158,6 +180,23 @@ class _Exporter:
 def file_stem(topic: str) -> str:
     """Name of a topic's file, without its ending."""
     return topic.strip("/").replace("/", "_")
+
+
+def file_stems(topics: Collection[str]) -> dict[str, str]:
+    """Name of each topic's file, without its ending; a name that is taken gets a number.
+
+    The names depend on nothing but the topics: the first of them in order has the plain name.
+    """
+    plain = {file_stem(topic) for topic in topics}
+    found: dict[str, str] = {}
+    for topic in sorted(topics):
+        stem, used = file_stem(topic), set(found.values())
+        found[topic] = _free(stem, used | plain) if stem in used else stem
+    return found
+
+
+def _free(stem: str, used: Collection[str]) -> str:
+    return next(name for n in count(2) if (name := f"{stem}_{n}") not in used)
 
 
 class _CsvFile:
@@ -197,12 +236,12 @@ class _WaveFile:
         self._file.setsampwidth(2)
         self._file.setframerate(rate)
 
-    def add(self, first: int, samples: Collection[int]) -> None:
+    def add(self, first: int, samples: array[int]) -> None:
         gap = first - self._next if self._next is not None else 0
         if 0 < gap <= LONGEST_GAP * self._rate:
             self._file.writeframes(bytes(2 * gap))
             self.lost += gap
-        self._file.writeframes(array("h", samples).tobytes())
+        self._file.writeframes(samples.tobytes())
         self.samples += len(samples)
         self._next = first + len(samples)
 

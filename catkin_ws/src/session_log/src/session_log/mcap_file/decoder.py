@@ -11,11 +11,11 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from mcap.records import Schema
-from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap_ros1.decoder import DecoderFactory
 
 from session_log.errors import SessionLogError
-from session_log.types import Message
+from session_log.mcap_file.encoding import WrongEncoding
+from session_log.types import MESSAGE_ENCODING, SCHEMA_ENCODING, Message
 
 RENAMED_FIELDS: Mapping[str, Mapping[str, str]] = {  # by type of message: former to present name
     "rst_control/ControllerState": {"active": "assistance_enabled"},
@@ -57,8 +57,10 @@ class Decoder:
         """Return the message as an object with the fields of its definition, as named today.
 
         Raises:
-            Undecodable: Definition or bytes are damaged.
+            Undecodable: Definition or bytes are damaged, or are none of ROS 1.
         """
+        if not message.source.is_ros1:
+            raise Undecodable(message, ValueError(WrongEncoding(message.source).why))
         key = (message.source.datatype, message.source.definition)
         try:
             if key not in self._known:
@@ -86,10 +88,10 @@ class Decoder:
         schema = Schema(
             id=len(self._known) + 1,
             name=datatype,
-            encoding=SchemaEncoding.ROS1,
+            encoding=SCHEMA_ENCODING,
             data=present_definition(datatype, definition).encode(),
         )
-        decode = self._factory.decoder_for(MessageEncoding.ROS1, schema)
+        decode = self._factory.decoder_for(MESSAGE_ENCODING, schema)
         if decode is None:
             raise ValueError("no definition")
         return decode

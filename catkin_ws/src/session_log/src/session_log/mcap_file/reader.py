@@ -18,7 +18,8 @@ from session_log.errors import NotASession, SessionMissing
 from session_log.mcap_file import checksums, records
 from session_log.mcap_file.chunk import UNREADABLE, content_of, places_of
 from session_log.mcap_file.records import MAGIC, McapRecord, RecordWalker
-from session_log.types import Damage, Message, MessageSource
+from session_log.mcap_file.writer import LIBRARY
+from session_log.types import MESSAGE_ENCODING, SCHEMA_ENCODING, Damage, Message, MessageSource
 from typed_config import RECORDING, newest_recording
 
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
@@ -179,6 +180,7 @@ class _Pass:
 
     def _add_channel(self, channel: Channel) -> None:
         schema = self._schemas.get(channel.schema_id)
+        message_encoding, schema_encoding = self._encodings(channel, schema)
         self._channels[channel.id] = MessageSource(
             topic=channel.topic,
             datatype=schema.name if schema else "",
@@ -186,14 +188,28 @@ class _Pass:
             definition=schema.data.decode(errors="replace") if schema else "",
             publisher=channel.metadata.get("callerid", ""),
             is_latched=channel.metadata.get("latching") == "1",
+            message_encoding=message_encoding,
+            schema_encoding=schema_encoding,
         )
 
+    def _encodings(self, channel: Channel, schema: Schema | None) -> tuple[str, str]:
+        """Encoding of the messages and of their schema.
+
+        Another than that of ROS 1 is damage in a file of ours, and where the channel has an MD5
+        sum, which only ROS 1 knows.
+        """
+        if self._condition.library == LIBRARY or "md5sum" in channel.metadata:
+            return MESSAGE_ENCODING, SCHEMA_ENCODING
+        lost = SCHEMA_ENCODING if channel.message_encoding == MESSAGE_ENCODING else ""
+        return channel.message_encoding, schema.encoding if schema else lost
+
     def _message(self, body: bytes) -> Message | None:
-        channel, sequence, log_time, _ = _MESSAGE.unpack_from(body)
+        channel, sequence, log_time, published = _MESSAGE.unpack_from(body)
         source = self._channels.get(channel)
         if source is None:
             return None
-        return Message(source, body[_MESSAGE.size :], log_time, sequence)
+        published = 0 if published == log_time else published
+        return Message(source, body[_MESSAGE.size :], log_time, sequence, published)
 
     def _chunk(self, chunk: McapRecord, topics: Collection[str] | None) -> Iterator[Message]:
         try:
@@ -205,11 +221,13 @@ class _Pass:
         nameless = 0
         for opcode, begin, end in places:
             if opcode == records.MESSAGE:
-                channel, sequence, log_time, _ = _MESSAGE.unpack_from(content, begin)
+                channel, sequence, log_time, published = _MESSAGE.unpack_from(content, begin)
                 source = self._channels.get(channel)
                 nameless += source is None
                 if source and (topics is None or source.topic in topics):
-                    yield Message(source, content[begin + _MESSAGE.size : end], log_time, sequence)
+                    data = content[begin + _MESSAGE.size : end]
+                    published = 0 if published == log_time else published
+                    yield Message(source, data, log_time, sequence, published)
             elif opcode in (records.SCHEMA, records.CHANNEL):
                 self._note(McapRecord(chunk.offset, opcode, content[begin:end]))
         if nameless:
@@ -252,11 +270,15 @@ def _name(opcode: int) -> str:
 
 
 def _find(path: Path) -> Path:
-    if path.is_dir():
-        if (found := newest_recording(path)) is None:
-            raise SessionMissing(path, f"a folder without {RECORDING}")
-        return found
-    if not path.exists():
+    try:
+        if path.is_dir():
+            if (found := newest_recording(path)) is None:
+                raise SessionMissing(path, f"a folder without {RECORDING}")
+            return found
+        is_there = path.exists()
+    except OSError as error:  # it may not be looked into
+        raise SessionMissing(path, error.strerror or "cannot be read") from error
+    if not is_there:
         raise SessionMissing(path, "no such file or folder")
     return path
 

@@ -22,6 +22,7 @@ def recover(reader: SessionReader, target: Path) -> RecordingSummary:
         target: File to create; it must not exist.
 
     Raises:
+        WrongEncoding: It holds messages that are none of ROS 1; nothing is written.
         OutputFailed: The file exists already or cannot be written.
     """
     try:

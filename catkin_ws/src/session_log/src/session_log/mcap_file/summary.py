@@ -86,7 +86,7 @@ class MessageCounter:
 
     def add(self, message: Message) -> None:
         """Count one message."""
-        source, data, log_time, sequence = message
+        source, data, log_time, sequence, _ = message
         if log_time < self._now - CLOCK_STEP:
             self.clock_steps.append(ClockStep(self._now, log_time))
         self._now = log_time

@@ -13,12 +13,12 @@ from typing import IO, Any, cast
 
 from mcap.data_stream import RecordBuilder
 from mcap.records import ChunkIndex
-from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap.writer import CompressionType, IndexType
 from mcap.writer import Writer as McapWriter
 
 from session_log.errors import RecordingFailed
 from session_log.mcap_file.durable_stream import DurableStream
+from session_log.mcap_file.encoding import WrongEncoding
 from session_log.mcap_file.records import CHECKSUM, CHECKSUM_BODY
 from session_log.types import Message, MessageSource
 
@@ -87,11 +87,15 @@ class SessionWriter:
             raise
 
     def add(self, message: Message) -> None:
-        """Take one message for the next commit."""
+        """Take one message for the next commit.
+
+        Raises:
+            WrongEncoding: It is none of ROS 1.
+        """
         self._mcap.add_message(
             channel_id=self._channel(message.source),
             log_time=message.log_time,
-            publish_time=message.log_time,
+            publish_time=message.publish_time or message.log_time,
             sequence=message.sequence & 0xFFFFFFFF,
             data=message.data,
         )
@@ -150,9 +154,11 @@ class SessionWriter:
     def _channel(self, source: MessageSource) -> int:
         channel = self._channels.get(source)
         if channel is None:
+            if not source.is_ros1:
+                raise WrongEncoding(source)
             channel = self._mcap.register_channel(
                 topic=source.topic,
-                message_encoding=MessageEncoding.ROS1,
+                message_encoding=source.message_encoding,
                 schema_id=self._schema(source),
                 metadata={
                     "md5sum": source.md5sum,
@@ -168,7 +174,7 @@ class SessionWriter:
         if key not in self._schemas:
             self._schemas[key] = self._mcap.register_schema(
                 name=source.datatype,
-                encoding=SchemaEncoding.ROS1,
+                encoding=source.schema_encoding,
                 data=source.definition.encode(),
             )
         return self._schemas[key]

@@ -18,6 +18,7 @@ import rosgraph
 import rospy
 
 from session_log.errors import SessionLogError
+from session_log.mcap_file.encoding import WrongEncoding
 from session_log.mcap_file.reader import SessionReader
 from session_log.types import URDF_TOPIC, Message, MessageSource
 from typed_config.ros.xmlrpc import master_problem
@@ -69,8 +70,12 @@ class RecordingPlayer:
 
         Raises:
             LiveSystem: A running system has one of the topics.
+            WrongEncoding: A topic holds messages that are none of ROS 1.
         """
         sources = {m.source.topic: m for m in self._reader.messages()}
+        for message in sources.values():
+            if not message.source.is_ros1:
+                raise WrongEncoding(message.source)
         self._names = [self._prefix + topic for topic in sources]
         self._check()
         for topic, message in sources.items():
@@ -183,4 +188,6 @@ def main() -> None:
         player.play()
     except SessionLogError as error:
         sys.exit(str(error))
+    except OSError as error:
+        sys.exit(f"{error.filename or 'the system'}: {error.strerror or error}")
     print(f"{player.count} messages played")
