@@ -64,7 +64,8 @@ def read_arm(path: Path, topic: str) -> Iterator[ArmSample]:
     except OSError as error:
         raise PoseFileError(path, error.strerror or repr(error)) from error
     except UNREADABLE_MCAP as error:
-        words = f"not a whole MCAP file ({error!r}); `session_log recover` mends what was cut short"
+        words = f"neither a .csv nor a whole MCAP file ({error!r})"
+        words = f"{words}; `session_log recover` mends a recording that was cut short"
         raise PoseFileError(path, words) from error
     except KeyError as error:
         raise PoseFileError(path, f"no joint states: {error} is missing") from error
