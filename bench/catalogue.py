@@ -61,12 +61,12 @@ _SITE = Area(
         ),
         Part("site.stops", "Losses on the way to the arm", "site.stops", code.KINOVA),
         Part("site.turns", "Joints without end stops", "site.turns", code.CONTROLLER),
-        Part("site.plant", "A plant that is not ideal", "site.plant", code.CONTROLLER),
+        Part("site.plant", "A plant that is not ideal", "site.plant", code.PLANT),
         Part(
             "site.plant_velocities",
             "The same, led by velocities",
             "site.plant_velocities",
-            code.KINOVA,
+            code.PLANT,
         ),
         Part("site.near_limits", "Joints near their limits", "site.near_limits", code.CONTROLLER),
         Part(
@@ -95,7 +95,7 @@ _SAFETY = Area(
             "10,000 stops in the running system",
             "safety.stops.system",
             code.ROBOT_NODES,
-            details=(r"at rest p(50|95)$", r"p95$", "arrived elsewhere"),
+            details=(r"at rest p(50|95)$", r"p95$"),
         ),
         Part(
             "safety.spoken",
@@ -116,8 +116,6 @@ _SAFETY = Area(
                 r"^load average",
                 "way before",
                 "return of the part",
-                "earlier$",
-                "in motion when lost",
             ),
         ),
         Part(
@@ -132,7 +130,7 @@ _SAFETY = Area(
             "safety.hang",
             "A recogniser that hangs",
             "safety.hang",
-            code.VOICE_NODE,
+            (*code.HEARING, *code.VOICE_NODE),
             details=(r"p(50|95|99)$",),
         ),
         Part(
@@ -168,6 +166,7 @@ _HEARING = Area(
                 "p99$",
                 "right at least",
             ),
+            decides="rest",
         ),
         Part(
             "voice.stop",
@@ -175,8 +174,15 @@ _HEARING = Area(
             "voice.stop",
             code.HEARING,
             details=(r": p50$",),
+            decides="rest",
         ),
-        Part("voice.overlap", '"stop" while others talk', "voice.overlap", code.HEARING),
+        Part(
+            "voice.overlap",
+            '"stop" while others talk',
+            "voice.overlap",
+            code.HEARING,
+            decides="motion",
+        ),
         Part(
             "voice.foreign",
             "Other languages and accents",
@@ -184,6 +190,7 @@ _HEARING = Area(
             code.HEARING,
             SYNTHETIC,
             details=(r"^(tense|release|pull more|pull less), ", "trained voices"),
+            decides="rest",
         ),
         Part(
             "voice.languages",
@@ -199,6 +206,7 @@ _HEARING = Area(
             "voice.no_commands.near_misses",
             code.HEARING,
             SYNTHETIC,
+            decides="rest",
         ),
         Part("voice.amounts", "Amounts in words", "voice.amounts", code.HEARING, SYNTHETIC),
         Part(
@@ -208,9 +216,22 @@ _HEARING = Area(
             code.HEARING,
             HUMAN,
             details=("^talk without", "^single words", "^other devices"),
+            decides="rest",
         ),
-        Part("voice.unarmed", "Talk, unarmed", "voice.no_commands.unarmed", code.HEARING),
-        Part("voice.nothing", "Nobody speaks", "voice.no_commands.false_alarms", code.HEARING),
+        Part(
+            "voice.unarmed",
+            "Talk, unarmed",
+            "voice.no_commands.unarmed",
+            code.HEARING,
+            decides="rest",
+        ),
+        Part(
+            "voice.nothing",
+            "Nobody speaks",
+            "voice.no_commands.false_alarms",
+            code.HEARING,
+            decides="rest",
+        ),
         Part("voice.answers", '"stop" over spoken answers', "voice.answers", code.ANSWERS),
         Part("voice.ask", "Asking again", "voice.ask", code.HEARING, SYNTHETIC),
         Part(
@@ -283,7 +304,7 @@ _COST = Area(
         Part("system.cost", "Each node, and the start", "system.cost", code.SYSTEM),
         Part("system.setup", "Set-up in a fresh clone", "system.setup", code.SET_UP),
         Part("system.loop", "The control loop under load", "system.loop", code.SYSTEM),
-        Part("system.display", "The operator's page", "system.display", code.DISPLAY),
+        Part("system.display", "The operator's page", "system.display", code.SYSTEM),
     ),
 )
 

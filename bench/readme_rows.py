@@ -22,7 +22,7 @@ ROWS = (
         "planned RCM error max, all samples",
     ),
     ReadmeRow(
-        "stop received to the first slower set-point, p99",
+        "stop received to the tick of the first slower set-point, p99",
         "safety.stops_system",
         "running system: stop received to first decelerating set-point p99",
     ),
@@ -42,7 +42,7 @@ ROWS = (
     ),
     ReadmeRow("motion commands right, quiet", "voice.trials", "motion commands, quiet: right"),
     ReadmeRow(
-        "highest tension, 10,000 failing sensors, scaled ones bounded by distance",
+        "highest tension, 10,000 failing sensors; the limit is 2.4 N, 5 % more is allowed",
         "site.tension",
         "tension, any fault of its sensor: peak",
     ),

@@ -45,9 +45,18 @@ class Figure:
     @property
     def is_met(self) -> bool | None:
         """Whether the target is met; None without a target."""
+        return self._reaches(self.value)
+
+    @property
+    def is_shown(self) -> bool:
+        """Whether the target is met by the bound too, so that more trials would hardly miss it."""
+        bound = self.upper if self.at_most else self.lower
+        return bool(self.is_met) and (bound is None or bool(self._reaches(bound)))
+
+    def _reaches(self, value: float) -> bool | None:
         if self.target is None:
             return None
-        return self.value <= self.target if self.at_most else self.value >= self.target
+        return value <= self.target if self.at_most else value >= self.target
 
 
 def share(
@@ -124,7 +133,11 @@ def machine() -> dict[str, str | float]:
 
 
 def run(
-    name: str, measure: Callable[[], list[Figure]], console: Console, rooms: Sequence[str] = ()
+    name: str,
+    measure: Callable[[], list[Figure]],
+    console: Console,
+    rooms: Sequence[str] = (),
+    decisions: str = "",
 ) -> list[Figure]:
     """Measure, show and write one set of figures.
 
@@ -133,13 +146,14 @@ def run(
         measure: Gives them.
         console: To show them on.
         rooms: Of the product, which they are figures of; see support/product_code.py.
+        decisions: Key of what it decides on fixed clips; empty: these are no figures of that.
     """
     where, code = machine(), identity(rooms)
     console.rule(f"{name}: {where['cpu']}, {where['cores']} cores, load {where['load_at_start']}")
     figures = measure()
     show(figures, console)
     path = RESULTS / f"{name}.json"
-    write(path, figures, where, code=code)
+    write(path, figures, where, code=code, **({"decisions": decisions} if decisions else {}))
     console.print(f"written: {path.relative_to(ROOT)}")
     return figures
 

@@ -29,22 +29,31 @@ def _rooms(package: str, *rooms: str) -> tuple[str, ...]:
 CONTROLLER = _rooms(
     "rst_control",
     *("admission", "assembly.py", "commands", "config", "description", "execution", "kernels.py"),
-    *("kinematics", "planning", "robot", "supervision", "tension", "tissue", "trajectory"),
+    *("errors.py", "kinematics", "planning", "registration", "robot", "supervision", "tension"),
+    *("tissue", "trajectory"),
     *("types.py", "collision.yaml", "controller.yaml", "gen3_openrst.yaml", "limits.yaml"),
     *("rcm.yaml", "scene.yaml"),
 )
-SIMULATION = (*CONTROLLER, *_rooms("rst_control", "simulation", "simulator.yaml"))
+URDF = ("/catkin_ws/src/rst_control/urdf/gen3_openrst.urdf",)
+SIMULATION = (
+    *CONTROLLER,
+    *_rooms("rst_control", "simulation", "simulator.yaml", "plant.yaml"),
+    *URDF,
+)
 KINOVA = (
     *CONTROLLER,
     *_rooms("rst_control", "kinova", "simulation", "torque_tension.yaml", "kinova_bridge.yaml"),
     *_rooms("rst_control", "kinova_controller.yaml", "kinova_limits.yaml", "kinova_stand_in.yaml"),
+    *_rooms("rst_control", "plant.yaml"),
+    *URDF,
 )
+PLANT = (*SIMULATION, *KINOVA)
 SPEAKER = _rooms("voice_assist", "speaker", "speaker.yaml", "speaker.pt", "speaker_cohort.npz")
 HEARING = _rooms(
     "voice_assist",
-    *("assembly.py", "audio", "config", "intent", "pipeline", "recognizer", "side_inputs.py"),
-    *("speaker", "spotter", "text", "types.py", "vad", "audio.yaml", "commands.yaml"),
-    *("moving.yaml", "recognizer.yaml", "spotter.yaml"),
+    *("assembly.py", "audio", "config", "intent", "pipeline", "profile", "recognizer"),
+    *("side_inputs.py", "speaker", "spotter", "text", "types.py", "vad"),
+    *("audio.yaml", "commands.yaml", "moving.yaml", "recognizer.yaml", "spotter.yaml"),
     *("embedded.pt", "overlap.pt", "spotter.pt", "verifier.pt"),
 )
 LANGUAGES = (
@@ -53,13 +62,16 @@ LANGUAGES = (
     *_rooms("voice_assist", "commands_fr.yaml", "commands_ja.yaml"),
 )
 ANSWERS = (*HEARING, *_rooms("voice_assist", "answers", "alarms.yaml"))
-ENROLMENT = (*HEARING, *_rooms("voice_assist", "enrolment", "profile", "enrolment.yaml"))
+ENROLMENT = (*HEARING, *_rooms("voice_assist", "enrolment", "enrolment.yaml"))
 RECORDING = _rooms("session_log", "mcap_file", "recording", "recorder.yaml")
 REPORT = (*RECORDING, *_rooms("session_log", "report", "report.yaml"))
 VOICE_NODE = _rooms("voice_assist", "ros")
 DISPLAY = _rooms("voice_assist", "display", "display.yaml")
 ROBOT_NODES = (*SIMULATION, *_rooms("rst_control", "host", "ros"))
-SYSTEM = (*ROBOT_NODES, *HEARING, *VOICE_NODE, *RECORDING, *_rooms("session_log", "ros"))
+SYSTEM = (
+    *(*ROBOT_NODES, *HEARING, *VOICE_NODE, *RECORDING, *DISPLAY, *_rooms("session_log", "ros")),
+    *_rooms("voice_assist", "alarms", "answers", "pedal", "alarms.yaml", "pedal.yaml"),
+)
 SET_UP = tuple(
     f"/{file}" for file in ("docker/setup.sh", "docker/constraints.txt", "requirements.txt")
 )

@@ -27,6 +27,8 @@ class Part:
         details: Regular expressions of figures that the page leaves to the file.
         command: That measures it; empty: `make bench ONLY=<name>`.
         last_in: Last commit with its bench, where that is gone.
+        decides: "rest" or "motion", where its figures follow from what is decided on sound alone:
+            code that decides the same on fixed clips leaves them true.
     """
 
     name: str
@@ -37,6 +39,7 @@ class Part:
     details: tuple[str, ...] = ()
     command: str = ""
     last_in: str = ""
+    decides: str = ""
 
     @property
     def file(self) -> str:

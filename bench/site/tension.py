@@ -232,7 +232,8 @@ def _figures(found: Sequence[TensionPeak], limit: float) -> list[Figure]:
     above = [p for p in found if p.peak > limit]
     given, accepted = sum(p.given for p in found), sum(p.accepted for p in found)
     again = sum(p.rate != RATE for p in found)
-    note = f"({given} commands, {accepted} accepted; 80 to 4000 N/m; {again} again at full rate)"
+    note = f"({given} commands, {accepted} accepted; 80 to 4000 N/m; {again} passed the limit and"
+    note = f"{note} were carried out again at the product's rate, which counts)"
     figures = [
         Figure("tension, any fault of its sensor: situations", len(found), "", 10000, False, note),
         Figure(f"tension, any fault of its sensor: above {limit:.2f} N", len(above), "", 0.0),

@@ -24,18 +24,17 @@ from bench.common.resumable import (
     measured,
     remembered,
     share_of,
-    source,
 )
 from bench.voice.hearing.pieces import Label, SceneRecord
 from bench.voice.hearing.replay_stream import SceneListener, SceneResult, SoundScene
 from bench.voice.material import language_clips
 from bench.voice.material.mixing import StreamedTrial, stream_of, trials_of
 from bench.voice.outcomes import motions, right, tally
+from support import product_code
 from support.figures import Figure, percentiles, share
 from voice_assist.assembly import limit_torch
 from voice_assist.config import load_voice_config
 from voice_assist.config.commands import NOT_MOTIONS
-from voice_assist.recognizer import phrases
 from voice_assist.recognizer.checkpoint import EMBEDDED
 from voice_assist.types import RATE
 
@@ -95,7 +94,11 @@ def _plan(language: str) -> dict[str, list[SaidTwice]]:
 def _file(language: str, kind: str, plan: Sequence[SaidTwice]) -> Path:
     """Where it is kept how a set of trials was heard."""
     config = load_voice_config(language=language)
-    key = digest(config, source(phrases), [trial.scene()[0] for trial in share_of(plan)])
+    key = digest(
+        config,
+        product_code.identity(product_code.LANGUAGES),
+        [trial.scene()[0] for trial in share_of(plan)],
+    )
     return CACHE / "languages" / f"{language}-{kind}-{key}.json"
 
 

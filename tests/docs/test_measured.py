@@ -55,7 +55,7 @@ def test_every_figure_has_a_target_or_says_that_it_has_none():
     for row in every:
         if "result" in row:  # not in the list of missed ones
             verdicts[row["target"] == "none"].add(row["result"])
-    assert verdicts[False] <= {"met", "**missed**"} and verdicts[True] == {"-"}
+    assert verdicts[False] <= {"met", page.FEW, "**missed**"} and verdicts[True] == {"-"}
 
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.words)

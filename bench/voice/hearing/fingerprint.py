@@ -2,7 +2,8 @@
 """What the pipeline decides on a fixed set of clips: its behaviour as a short key.
 
 Kept measurements carry this key. Code that moves, or changes its names, keeps them; code that
-decides otherwise on one of the clips does not.
+decides otherwise on one of the clips does not. `python -m bench.voice.hearing.fingerprint` notes
+the key of the present code. By it the page of figures tells changed code that decides the same.
 """
 
 from __future__ import annotations
@@ -21,6 +22,9 @@ from numpy.typing import NDArray
 from bench.common import resumable
 from bench.common.resumable import code, digest
 from bench.voice.hearing.replay_stream import SceneListener, SoundScene
+from support import product_code
+from support.figures import RESULTS
+from support.product_code import HEARING
 from support.theatre_sound import LEVEL, speak, theatre_noise
 from voice_assist.assembly import make_recognizer, make_spotter, make_spotters
 from voice_assist.config import CONFIG_DIR, CommandsConfig, VoiceConfig, load_voice_config
@@ -33,6 +37,7 @@ PHRASES = (
     *("stopped", "tents", "release the clamp", "hey robert", "stop it", "pull it", "more or less"),
     *("please pull more gently", "the past tense of the verb", "we should stop by the shop"),
 )
+DECISIONS = RESULTS / "voice" / "decisions.json"
 VOICES = ("en-us", "en-gb+f3")
 SNRS = (40.0, 6.0)  # [dB]
 QUIET = 0.8  # [s] before and after the words
@@ -99,6 +104,14 @@ def identity_in_motion(model: str) -> str:
     return digest(identity(model), moving, fingerprint(decided))
 
 
+def note(model: str = "embedded") -> dict[str, str]:
+    """Note what the present code decides at rest and in motion; gives what was noted."""
+    at_rest, in_motion = identity(model), identity_in_motion(model)
+    noted = {"code": product_code.identity(HEARING), "rest": at_rest, "motion": in_motion}
+    DECISIONS.write_text(json.dumps(noted, indent=1) + "\n", encoding="utf-8")
+    return noted
+
+
 def at_rest(config: VoiceConfig) -> tuple[object, ...]:
     """Values of all settings but those of a robot that moves."""
     sections = (field.name for field in fields(config) if field.name != "moving")
@@ -134,3 +147,7 @@ def _in_noise(speech: NDArray[np.float32], snr: float, seed: int) -> Samples:
     sound = np.concatenate([quiet, speech, quiet])
     noise = theatre_noise(len(sound) / RATE + 0.01, LEVEL * 10 ** (-snr / 20), seed)
     return (sound + noise[: len(sound)]).astype(np.float32)
+
+
+if __name__ == "__main__":
+    print(note())

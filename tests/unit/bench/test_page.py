@@ -60,11 +60,47 @@ def test_what_an_older_result_lacks_is_a_dash_and_its_shares_are_per_cent(tmp_pa
 
 
 def test_code_that_changed_after_it_was_measured_marks_the_result(tmp_path):
-    assert on_file(tmp_path, SHARE).is_current is None
-    assert on_file(tmp_path, SHARE, code=identity(PART.rooms)).is_current is True
+    assert on_file(tmp_path, SHARE).age is None
+    assert on_file(tmp_path, SHARE, code=identity(PART.rooms)).age is True
     assert page.AGES[True] in page.text(tmp_path)
-    assert on_file(tmp_path, SHARE, code="other").is_current is False
+    assert on_file(tmp_path, SHARE, code="other").age is False
     assert page.AGES[False] in page.text(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("decided", "now", "age"),
+    [
+        ("a", {"code": identity(PART.rooms), "rest": "a"}, page.SAME),
+        ("a", {"code": identity(PART.rooms), "rest": "b"}, False),
+        ("a", {"code": "looked at before it changed again", "rest": "a"}, False),
+        ("", {"code": identity(PART.rooms), "rest": "a"}, False),
+        ("a", None, False),
+    ],
+)
+def test_changed_code_that_decides_the_same_on_fixed_clips_is_told_apart(
+    tmp_path, monkeypatch, decided, now, age
+):
+    noted = tmp_path / "decisions.json"
+    if now is not None:
+        noted.write_text(json.dumps(now))
+    monkeypatch.setattr(page, "DECISIONS", noted)
+    assert PART.decides == "rest"
+    assert on_file(tmp_path, SHARE, code="other", decisions=decided).age == age
+
+
+@pytest.mark.parametrize(
+    ("figure", "verdict"),
+    [
+        (Figure("a", 90.0, "%", 80.0, at_most=False, lower=70.0), page.FEW),
+        (Figure("a", 90.0, "%", 80.0, at_most=False, lower=80.0), "met"),
+        (Figure("a", 70.0, "%", 80.0, at_most=False, lower=60.0), "**missed**"),
+        (Figure("a", 0.0, "per h", 0.5, upper=13.0), page.FEW),
+        (Figure("a", 0.0, "per h", 0.5), "met"),
+        (Figure("a", 0.0, "per h", upper=13.0), ""),
+    ],
+)
+def test_what_the_bound_does_not_show_is_not_called_met_alone(figure, verdict):
+    assert page._verdict(figure) == verdict
 
 
 def test_a_part_without_a_result_is_named(tmp_path):
@@ -88,7 +124,7 @@ def test_the_readme_needs_its_marks_and_figures_that_are_there_once(tmp_path, mo
         with pytest.raises(ValueError, match="where one is wanted"):
             page.readme(tmp_path)
     on_file(tmp_path, SHARE)
-    assert "| so much (human) | 90 % | ≥ 95 | **missed** |" in page.readme(tmp_path)
+    assert "| so much (human) | 90 % (9 of 10) | ≥ 95 | **missed** |" in page.readme(tmp_path)
 
 
 def test_every_area_has_a_part():
