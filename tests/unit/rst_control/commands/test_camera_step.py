@@ -155,6 +155,23 @@ def test_a_step_that_leads_too_far_is_refused_by_name(
     assert decision.reason is reason and "allowed" in decision.words, decision
 
 
+def test_a_shaft_that_leans_too_far_may_be_turned_back(robot, motion_config, home):
+    planner = Planner(robot, changed(motion_config, max_tilt=0.05))
+    verify, lean = Verifier(planner), {}
+    inward = -planner.patient.outward
+    before = np.arccos(Configuration(robot, home).T_base_shaft[:3, 2] @ inward)
+    assert before > 0.05
+    for command in ROUND:
+        decision = ask(verify, command, home)
+        free = ask(Verifier(Planner(robot, motion_config)), command, home).plan.phases[-1].path.end
+        lean[command.phrase] = np.arccos(Configuration(robot, free).T_base_shaft[:3, 2] @ inward)
+        if lean[command.phrase] < before:
+            assert not isinstance(decision, Rejected), decision
+        else:
+            assert decision.reason is Reason.TILT_LIMIT
+    assert min(lean.values()) < before < max(lean.values())
+
+
 @pytest.mark.parametrize("command", CAMERA_STEPS)
 def test_steps_on_and_on_end_with_a_refusal_and_never_a_drift(verify, planner, home, command):
     q, steps = home, 0

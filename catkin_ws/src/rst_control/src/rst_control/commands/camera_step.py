@@ -42,7 +42,7 @@ MIN_ACROSS: Final = 0.3  # of a direction in the picture that is square to the w
 
 
 class TiltOutOfRange(LimitOfCommand):
-    """The shaft would lean too far over."""
+    """The shaft would lean too far over, and further than it does."""
 
     reason = Reason.TILT_LIMIT
 
@@ -122,7 +122,7 @@ def step_goal(planner: Planner, step: tuple[int, int, int], q: Vector) -> Array:
         q: Joints [rad]. Shape (9,).
 
     Raises:
-        TiltOutOfRange: The shaft would lean too far over.
+        TiltOutOfRange: The shaft would lean too far over, and further than it does.
         CameraAskew: That way is nearly the way to the trocar.
     """
     here, trocar, config = Configuration(planner.model, q), planner.trocar, _settings(planner)
@@ -138,7 +138,7 @@ def step_goal(planner: Planner, step: tuple[int, int, int], q: Vector) -> Array:
     if (share := float(np.linalg.norm(across))) < MIN_ACROSS:
         raise CameraAskew(share)
     turn = turned(config.angle / share * across)
-    _require_tilt(planner, turn @ shaft)
+    _require_tilt(planner, shaft, turn @ shaft)
     goal[:3, 3] = trocar + turn @ (goal[:3, 3] - trocar)
     goal[:3, :3] = turn @ goal[:3, :3]
     return goal
@@ -148,11 +148,17 @@ def _settings(planner: Planner) -> CameraStepConfig:
     return planner.config.controller.camera
 
 
-def _require_tilt(planner: Planner, shaft: Vector) -> None:
-    inward, maximum = -planner.patient.outward, _settings(planner).max_tilt
-    tilt = float(np.arccos(np.clip(shaft @ inward, -1.0, 1.0)))
-    if tilt > maximum:
+def _require_tilt(planner: Planner, before: Vector, after: Vector) -> None:
+    """Refuse a shaft that leans too far, unless the step brings it nearer to upright."""
+    maximum = _settings(planner).max_tilt
+    tilt = _tilt(planner, after)
+    if tilt > maximum and tilt >= _tilt(planner, before):
         raise TiltOutOfRange(tilt, maximum)
+
+
+def _tilt(planner: Planner, shaft: Vector) -> float:
+    """Angle of a shaft from the patient's inward normal [rad]."""
+    return float(np.arccos(np.clip(shaft @ -planner.patient.outward, -1.0, 1.0)))
 
 
 def _words(phrase: str, config: CameraStepConfig) -> str:
