@@ -10,7 +10,8 @@ from rst_control.execution.motion import MotionMaker
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.planning.planner import Planner, along
-from rst_control.types import Measurement
+from rst_control.types import Measurement, State
+from tests.unit.rst_control.support.executor_rig import Rig, with_watchdogs
 
 
 def scaled(config, scale):
@@ -44,3 +45,20 @@ def test_the_jaws_too(motion_config, home):
     jaws = motion_config.controller.jaws
     assert times[1] == pytest.approx(0.6 / (0.1 * jaws.speed), rel=0.1)
     assert times[0] < 0.5 * times[1]
+
+
+def test_jaws_that_open_slowly_may_take_their_time():
+    config = with_watchdogs(phase_timeout=2.0)
+    jaws = replace(config.controller.jaws, speed=0.1)
+    rig = Rig(config=replace(config, controller=replace(config.controller, jaws=jaws)))
+    rig.awake().say("tense")
+    start = rig.now
+    rig.until(lambda: rig.phase == "reach")
+    assert rig.now - start > 5.0
+
+
+def test_jaws_that_take_longer_than_planned_brake():
+    rig = Rig(config=with_watchdogs(phase_timeout=2.0)).moving("open")
+    rig.now += 3.5
+    rig.until(lambda: rig.state is State.FAULTED, limit=0.5)
+    assert "s longer than planned, allowed 2 s" in rig.view.mode.reason

@@ -7,7 +7,7 @@ not faded out.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -238,7 +238,7 @@ class JawPhase:
         brakes: MotionBounds,
         settle_time: float,
     ) -> None:
-        self.phase, self.is_done = phase, False
+        self.is_done = False
         self.failure: Cause | None = None
         self._q, self._start = planning_joints(held)
         self._target = self._start if phase.opening is None else phase.opening
@@ -246,6 +246,7 @@ class JawPhase:
         self._is_braking = False
         self._profile = MotionProfile(PathState(self._start), bounds)
         self._profile.go_to(self._target)
+        self.phase = replace(phase, jaw_time=self._profile.remaining + settle_time)
 
     @property
     def state(self) -> PathState:

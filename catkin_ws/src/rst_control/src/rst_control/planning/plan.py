@@ -46,11 +46,13 @@ class Phase:
     braking: float = 0.0  # [m/s^2] of s, hardest that a stop may be; 0: as `acceleration`
     opening: float | None = None  # [rad] of the jaws at the end; None: as it is
     tension: float | None = None  # [N] to reach and hold; None: none asked for
+    jaw_time: float = 0.0  # [s] that the jaws take and settle in, once the phase began; else 0
 
     @property
     def min_time(self) -> float:
-        """Time that the way takes at the phase's speed [s]."""
-        return abs(self.target - self.start) / self.speed if self.speed > 0.0 else 0.0
+        """Time that the phase takes at its speed [s]."""
+        way = abs(self.target - self.start) / self.speed if self.speed > 0.0 else 0.0
+        return way + self.jaw_time
 
 
 @dataclass(frozen=True, eq=False)
