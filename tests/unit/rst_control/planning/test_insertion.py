@@ -13,6 +13,7 @@ from rst_control.planning.plan import PhaseKind
 from rst_control.planning.planner import Planner
 from rst_control.types import Reason
 from tests.unit.rst_control.support.situations import request, situation
+from typed_config import ConfigError
 
 ALIGN, INSERT, WITHDRAW = PhaseKind.ALIGN, PhaseKind.INSERT, PhaseKind.WITHDRAW
 
@@ -213,6 +214,25 @@ def test_the_surface_margin_stops_a_withdrawal_that_would_end_too_near(planner, 
     near = Planner(planner.model, replace(planner.config, scene=scene))
     with pytest.raises(Infeasible, match=r"jaws -?[0-9.]+ mm from patient's surface"):
         Insertion(near).withdraw(home)
+
+
+def test_a_standoff_that_leaves_no_margin_however_the_shaft_stands_is_refused_at_start(planner):
+    scene = replace(planner.config.scene, standoff=0.020)
+    near = Planner(planner.model, replace(planner.config, scene=scene))
+    words = r"scene.standoff is 0.02, allowed: at least 0.0220 m: scene.surface_margin, 0.005 m"
+    with pytest.raises(ConfigError, match=words):
+        Insertion(near).warm_up()
+
+
+def test_a_standoff_that_leaves_no_margin_where_the_shaft_leans_is_told_at_start(planner, caplog):
+    scene = replace(planner.config.scene, standoff=0.0221)
+    near = Planner(planner.model, replace(planner.config, scene=scene))
+    Insertion(near).warm_up()
+    assert '"withdraw" and "insert" will be refused at the working pose: jaws' in caplog.text
+    assert "scene.standoff is 0.0221 m, scene.surface_margin 0.005 m" in caplog.text
+    caplog.clear()
+    Insertion(planner).warm_up()
+    assert not caplog.records
 
 
 def test_planning_changes_nothing(insertion, gate):

@@ -7,6 +7,7 @@ the trocar by the least insertion; on this side of that the tool is straight.
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
@@ -31,7 +32,9 @@ from rst_control.planning.planner import Planner
 from rst_control.tissue.grasp_candidates import grasp_pose
 from rst_control.trajectory.path import Path
 from rst_control.types import Vector
+from typed_config import require
 
+log = logging.getLogger("rosout.rst_control.controller")
 Array = NDArray[np.float64]
 
 SWINGS: Final = tuple(0.2 * k for k in range(-6, 7))  # [rad] of the elbow, tried for the way out
@@ -131,13 +134,33 @@ class Insertion:
         return Configuration(self._planner.model, self._scene.home).T_base_tip
 
     def warm_up(self) -> None:
-        """Compile or load every kernel, by planning from outside once; whether that goes or not."""
+        """Compile or load every kernel, by planning from outside once; warns where that fails.
+
+        Raises:
+            ConfigError: The standoff leaves no margin to the surface, however the shaft stands.
+        """
+        self._require_standoff()
         try:
             outside = self._way_in[0].path.start
-        except Infeasible:
+        except Infeasible as why:
+            log.warning(self._no_way_out(why))
             return
         self._approach.warm_up(outside)
         self.insert(outside)
+
+    def _require_standoff(self) -> None:
+        scene, least = self._scene, self._patient.min_standoff
+        margin = scene.surface_margin
+        allowed = f"at least {least:.4f} m: scene.surface_margin, {margin:g} m, and what of the "
+        allowed += f"jaws reaches beyond the tip, {least - margin:.4f} m"
+        require(scene.standoff >= least - SLIGHT, "scene.standoff", scene.standoff, allowed)
+
+    def _no_way_out(self, why: Infeasible) -> str:
+        """What is wrong with the way between outside and the working pose, for the log."""
+        scene = self._scene
+        words = f'"withdraw" and "insert" will be refused at the working pose: {why}'
+        words += f"; scene.standoff is {scene.standoff:g} m"
+        return f"{words}, scene.surface_margin {scene.surface_margin:g} m"
 
     def insert(self, q: Vector) -> tuple[Leg, ...]:
         """Ways from q (9,), outside or part-way in, to the working pose.

@@ -74,6 +74,9 @@ class Patient:
         moving = [k for k, body in enumerate(config.collision.bodies) if body.link not in FIXED]
         shapes = self.outside.shapes
         self._capsules, self._frames = shapes.capsules[moving], shapes.frames[moving]
+        tool = [k for k, body in enumerate(config.collision.bodies) if body.link in TOOL]
+        before_tip = _before_tip(self._chain, shapes.capsules[tool], shapes.frames[tool])
+        self.min_standoff = scene.surface_margin + before_tip  # [m] that leaves the margin
 
     def wrist_height(self, q: Vector) -> float:
         """Height of the tool's wrist above the surface at q (9,) [rad], whatever the tool's [m]."""
@@ -101,6 +104,22 @@ def _reach(chain: Any, shaft_length: float) -> float:
     kin.forward(chain, np.zeros(9), frames)
     wrist = frames[kin.SHAFT, :, 3] + shaft_length * frames[kin.SHAFT, :, 2]
     return float(np.linalg.norm(frames[kin.TIP, :, 3] - wrist))
+
+
+def _before_tip(chain: Any, capsules: Any, rows: Any) -> float:
+    """How far the tool's capsules reach beyond the tip along the shaft [m]: with the tool straight.
+
+    An upright shaft leaves the most room, so a tip nearer to the surface than that never keeps off.
+    """
+    frames = np.empty((12, 3, 4))
+    kin.forward(chain, np.zeros(9), frames)
+    shaft, tip = frames[kin.SHAFT, :, 2], frames[kin.TIP, :, 3]
+    furthest = -np.inf
+    for body, row in zip(capsules, rows, strict=True):
+        for end in (body[:3], body[3:6]):
+            place = frames[row, :, 3] + frames[row, :, :3] @ end
+            furthest = max(furthest, float(shaft @ (place - tip)) + float(body[6]))
+    return furthest
 
 
 @kernel
