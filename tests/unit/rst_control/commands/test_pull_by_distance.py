@@ -141,9 +141,71 @@ def test_no_refusal_speaks_of_a_bound_below_nothing(verify, joints):
     plan = verify(request("tense"), situation(joints)).plan
     beyond = replace(held(plan, 0.0), pulled=0.012)  # 2 mm more than allowed without a tension
     refused = verify(request("pull more"), beyond)
-    assert "allowed 0 to 0.0 mm" in refused.words
+    assert "pulled 13.2 mm, allowed 0 to 10.0 mm" in refused.words
+    less = verify(request("pull less"), beyond)
+    assert "pulled 10.8 mm, allowed 12.0 to 12.0 mm" in less.words
     within = verify(request("pull more", distance=0.003), replace(beyond, pulled=0.008))
-    assert "allowed 0 to 2.0 mm" in within.words
+    assert "pulled 11.0 mm, allowed 0 to 10.0 mm" in within.words
+
+
+@pytest.mark.parametrize("step", [{}, {"distance": 0.005}])
+def test_a_pull_that_was_planned_anew_ends_where_the_first_one_would(
+    motion_config, robot, joints, step
+):
+    """With a trusted tension, too; else tissue was pulled by the whole path once more."""
+    verify = Verifier(Planner(robot, motion_config))
+    plan = verify(request("tense"), situation(joints)).plan
+    anew = replace(held(plan, 0.010, tension=0.5), grasp=None, pulled=0.010)
+    more = verify(request("pull more", **step), anew).plan.phases[-1]
+    assert more.start == 0.0
+    assert more.target == pytest.approx(step.get("distance", 0.020), abs=1e-6)
+    far = verify(request("pull more", **step), replace(anew, pulled=0.0296))
+    assert far.reason is Reason.DISPLACEMENT_LIMIT
+    assert f"pulled {34.6 if step else 30.1} mm, allowed 0 to 30.0 mm" in far.words
+
+
+@pytest.mark.parametrize("step", [{}, {"distance": 0.001}])
+def test_with_a_trusted_tension_nothing_is_pulled_whose_grasp_nobody_saw(
+    motion_config, robot, joints, step
+):
+    verify = Verifier(Planner(robot, motion_config))
+    plan = verify(request("tense"), situation(joints)).plan
+    unseen = replace(held(plan, 0.0, tension=0.5), grasp=None, pulled=np.inf)
+    refused = verify(request("pull more", **step), unseen)
+    assert refused.reason is Reason.DISPLACEMENT_LIMIT
+    assert refused.words == "nobody saw where the tissue was grasped; release first"
+
+
+def test_the_last_step_to_the_end_of_the_path_is_taken(motion_config, robot, joints):
+    """Also where the tip is a hair off its place on the path."""
+    verify = Verifier(Planner(robot, motion_config))
+    plan = verify(request("tense"), situation(joints)).plan
+    near = replace(held(plan, 0.025, tension=0.1), pulled=0.025 + 1e-6)
+    last = verify(request("pull more", distance=plan.grasp.pull.length - 0.025), near)
+    assert isinstance(last, Accepted), last
+
+
+def test_three_steps_back_undo_one_three_times_as_long(verify, joints):
+    """0.3 less three times 0.1 is a hair below nothing."""
+    plan = verify(request("tense"), situation(joints)).plan
+    s = 0.3e-3
+    for _ in range(3):
+        decision = verify(request("pull less", distance=0.1e-3), held(plan, s))
+        assert isinstance(decision, Accepted), decision
+        s = decision.plan.phases[-1].target
+    assert s == 0.0
+
+
+def test_on_soft_tissue_tense_goes_as_far_as_it_may(blind, robot, joints):
+    """1 N at 25 N/m are 40 mm: nobody asked for them."""
+    tension = replace(blind.controller.tension, blind_stiffness=25.0)
+    soft = replace(blind, controller=replace(blind.controller, tension=tension))
+    verify = Verifier(Planner(robot, soft))
+    plan = verify(request("tense"), situation(joints)).plan
+    assert plan.phases[-1].target == pytest.approx(0.030)
+    assert "pulls 30.0 mm by distance" in plan.words
+    asked = verify(request("tense", distance=0.035), situation(joints))
+    assert "pulled 35.0 mm, allowed 0 to 30.0 mm" in asked.words
 
 
 # A tension whose gain nobody has checked may read too little all along.

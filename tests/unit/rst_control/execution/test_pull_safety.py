@@ -118,3 +118,24 @@ def test_verification_takes_the_tissue_as_pulled_as_far_as_the_grasp_says():
     later = rig.view.situation(rig.now)
     assert later.grasp.s == pytest.approx(situation.grasp.s - 0.002, abs=2e-4)
     assert later.pulled == pytest.approx(later.grasp.s, abs=1e-6)
+
+
+def test_faults_and_pushes_lengthen_no_pull():
+    """A pull that is planned anew goes on from the grasp, not from where it was planned."""
+    rig = Rig(30.0).awake()
+    rig.finish("tense", tension=0.6)
+    most = rig.config.scene.max_displacement
+    for sign in (1.0, -1.0):
+        rig.robot.fault = "driver fault"
+        rig.run(0.1)
+        push = np.zeros(10)
+        push[7] = sign * 0.004  # [rad]: the grasp is no longer where it was remembered
+        rig.robot.push(push)
+        rig.run(0.2)
+        rig.say("hey robot")
+        rig.run(1.0)
+        while (pending := rig.give("pull more", distance=0.004)).reply.result(0).accepted:
+            rig.until(pending.ended.done)
+        assert "allowed 0 to 30.0 mm" in pending.reply.result(0).message
+    assert most - 0.004 < rig.view.pulled <= most
+    assert felt(rig) <= 30.0 * most

@@ -13,6 +13,7 @@ from rst_control.commands.request import Accepted, PlanningContext, Request
 from rst_control.commands.tension_limits import (
     ease_refusal,
     present_refusal,
+    pulled_before,
     room_refusal,
     target_refusal,
 )
@@ -46,11 +47,12 @@ def _asks_distance(context: PlanningContext) -> bool:
 
 def _plan_tension(context: PlanningContext, is_more: bool) -> Accepted | Rejected:
     config, (grasp, seats) = context.config.tension, held(context)
-    furthest = DistanceForTension(config).furthest(grasp, context.situation.pulled, "")
+    before = pulled_before(grasp, context.situation.pulled)
+    furthest = DistanceForTension(config).furthest(grasp, before, "")
     is_moving = context.situation.is_moving
-    unable = None if is_more or is_moving else ease_refusal(grasp, furthest)
+    unable = None if is_more or is_moving else ease_refusal(grasp, furthest, before)
     if furthest == -inf and (is_more or unable is not None):
-        return pull_by_distance.unseen("")
+        return pull_by_distance.unseen("", config)
     step = context.request.tension or config.step_tension
     base = _base_tension(context, grasp)
     # Less, from above what is allowed, leads all the way back to it.
@@ -58,7 +60,7 @@ def _plan_tension(context: PlanningContext, is_more: bool) -> Accepted | Rejecte
     refusal = target_refusal(target, config) or unable
     if is_more:
         refusal = refusal or present_refusal(context.measured, config)
-        refusal = refusal or room_refusal(grasp, furthest)
+        refusal = refusal or room_refusal(grasp, furthest, before)
     if refusal is not None:
         return refusal
     phase = context.along(PhaseKind.STEP, grasp.pull, context.config.speed.pull_speed)

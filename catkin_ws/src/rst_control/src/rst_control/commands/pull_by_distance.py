@@ -12,6 +12,7 @@ from rst_control.commands.tension_limits import (
     ROUNDING,
     predicted_refusal,
     present_refusal,
+    pulled_before,
     too_far,
 )
 from rst_control.config import TensionConfig
@@ -33,20 +34,20 @@ class DistanceForTension:
     def __init__(self, config: TensionConfig) -> None:
         self._config = config
 
-    def furthest(self, grasp: Grasp, pulled: float | None, why: str) -> float:
+    def furthest(self, grasp: Grasp, before: float, why: str) -> float:
         """Place on the pull's path that no pull may pass [m]; -inf: it begins nobody knows where.
 
-        Without a trusted tension that is where the stiffest tissue has `maximum`. A tension whose
-        gain is unchecked may read too little all along: it counts up to `limit` on that tissue.
+        Where the pull was planned anew, its whole length counts from the grasp, too. Without a
+        trusted tension a pull ends where the stiffest tissue has `maximum`. A tension whose gain is
+        unchecked may read too little all along: it counts up to `limit` on that tissue.
 
         Args:
             grasp: With the path and the present place on it.
-            pulled: How far the tissue is pulled at that place [m]; None: as the grasp says.
+            before: How far the tissue was pulled where the path begins [m]; inf: nobody knows.
             why: The tension cannot be relied on, as `why` says it.
         """
-        before = 0.0 if pulled is None else pulled - grasp.s
         bound = self.distance(self._config.maximum) if why else self.bound
-        return min(grasp.pull.length, inf if bound == inf else bound - before)
+        return min(grasp.pull.length, bound) - before
 
     @property
     def bound(self) -> float:
@@ -75,10 +76,12 @@ class DistanceForTension:
         return f" by distance, for tissue up to {stiffest:.0f} N/m (no trusted tension: {why})"
 
 
-def unseen(why: str) -> Rejected:
+def unseen(why: str, config: TensionConfig) -> Rejected:
     """Refusal of a pull on tissue whose grasp nobody saw; `why` no tension is relied on."""
-    words = f"no trusted tension ({why or 'tension.gain is unchecked'})"
-    words += ", and nobody saw where the tissue was grasped; release first"
+    words = "nobody saw where the tissue was grasped; release first"
+    why = why or ("tension.gain is unchecked" if config.gain == "unchecked" else "")
+    if why:
+        words = f"no trusted tension ({why}), and {words}"
     return Rejected(Reason.DISPLACEMENT_LIMIT, words)
 
 
@@ -91,11 +94,13 @@ def plan(context: PlanningContext, is_more: bool) -> Accepted | Rejected:
     if why and not request.distance:
         step = by_distance.distance(request.tension or config.step_tension)
     target = grasp.s + step if is_more else grasp.s - step
-    maximum = by_distance.furthest(grasp, context.situation.pulled, why)
+    target = 0.0 if abs(target) <= ROUNDING else target
+    before = pulled_before(grasp, context.situation.pulled)
+    maximum = by_distance.furthest(grasp, before, why)
     if maximum == -inf and (is_more or target < 0.0):
-        return unseen(why)
+        return unseen(why, config)
     if target < 0.0 or (is_more and target > maximum + ROUNDING):
-        return too_far(target, maximum)
+        return too_far(target, maximum, before)
     if is_more:
         predicted = None if why else predicted_refusal(grasp, step, measured, config)
         refusal = predicted or present_refusal(measured, config)

@@ -55,12 +55,10 @@ def plan(context: PlanningContext) -> Accepted | Rejected:
     by_distance = DistanceForTension(config)
     length = min(chosen.pull.length, by_distance.bound)
     why = by_distance.why(context.measured)
-    furthest = request.distance or (by_distance.distance(target) if why else length)
-    if furthest > length + ROUNDING:
-        return too_far(furthest, length)
-    furthest = min(furthest, length)
-    if why and furthest > (maximum := by_distance.distance(target)) + ROUNDING:
-        return too_far(furthest, maximum)
+    maximum = min(length, by_distance.distance(target)) if why else length
+    if request.distance > maximum + ROUNDING:
+        return too_far(request.distance, maximum)
+    furthest = min(request.distance or maximum, maximum)
     tension = None if why else target
     words = f"reaches, grasps and pulls to {target:.2f} N"
     if why:

@@ -12,6 +12,7 @@ from rst_control.types import Measurement, Reason, Rejected
 MIN_ROOM: Final = 5e-4  # [m] of pull path left, below which pulling further makes no sense
 MIN_EASE: Final = 1e-5  # [m] of pull path to go back; stiff tissue is taut within 0.1 mm
 ROUNDING: Final = 1e-9  # [m] that a path may be shorter than asked for
+AS_PLACED: Final = 1e-5  # [m] of pull beside the place on its path that is taken for none
 
 
 def target_refusal(target: float, config: TensionConfig) -> Rejected | None:
@@ -40,19 +41,39 @@ def predicted_refusal(
     return target_refusal(predicted, config) if predicted > config.maximum else None
 
 
-def room_refusal(grasp: Grasp, furthest: float) -> Rejected | None:
+def pulled_before(grasp: Grasp, pulled: float | None) -> float:
+    """How far the tissue was pulled where the pull's path begins [m]; inf: nobody knows.
+
+    Args:
+        grasp: With the path and the present place on it.
+        pulled: How far the tissue is pulled at that place [m]; None: as the grasp says.
+    """
+    before = 0.0 if pulled is None else pulled - grasp.s
+    return before if before > AS_PLACED else 0.0
+
+
+def room_refusal(grasp: Grasp, furthest: float, before: float) -> Rejected | None:
     """Whether the pull is at the furthest place [m] that it may go to."""
     if grasp.s + MIN_ROOM <= furthest:
         return None
-    return too_far(grasp.s + MIN_ROOM, furthest)
+    return too_far(grasp.s + MIN_ROOM, furthest, before)
 
 
-def ease_refusal(grasp: Grasp, furthest: float) -> Rejected | None:
+def ease_refusal(grasp: Grasp, furthest: float, before: float) -> Rejected | None:
     """Whether the pull's path leads no further back, as where it was planned from here."""
-    return too_far(grasp.s - MIN_ROOM, furthest) if grasp.s < MIN_EASE else None
+    return too_far(grasp.s - MIN_ROOM, furthest, before) if grasp.s < MIN_EASE else None
 
 
-def too_far(target: float, maximum: float) -> Rejected:
-    """Refusal of a pull to `target` [m] from the grasp, beyond `maximum` [m] or below 0."""
-    words = f"pulled {target * 1e3:.1f} mm, allowed 0 to {max(0.0, maximum) * 1e3:.1f} mm"
+def too_far(target: float, maximum: float, before: float = 0.0) -> Rejected:
+    """Refusal of a pull to a place beyond the furthest one, or before its path begins.
+
+    Args:
+        target: That place on the path [m].
+        maximum: The furthest place on the path [m].
+        before: How far the tissue was pulled where the path begins [m]; the words count it in.
+    """
+    low = before if target < 0.0 else 0.0
+    high = max(low, maximum + before)
+    least = f"{low * 1e3:.1f}" if low else "0"
+    words = f"pulled {(target + before) * 1e3:.1f} mm, allowed {least} to {high * 1e3:.1f} mm"
     return Rejected(Reason.DISPLACEMENT_LIMIT, words)
