@@ -3,6 +3,7 @@
 
 from rst_control.config.motion import (
     CONFIG_FOLDER,
+    EMPTY,
     PACKAGE,
     URDF_FILE,
     ControllerConfig,
@@ -29,6 +30,7 @@ from rst_control.config.simulator import (
 
 __all__ = [
     "CONFIG_FOLDER",
+    "EMPTY",
     "PACKAGE",
     "URDF_FILE",
     "CameraConfig",

@@ -35,6 +35,8 @@ PACKAGE = package_folder("rst_control")
 CONFIG_FOLDER = PACKAGE / "config"
 URDF_FILE = PACKAGE / "urdf" / "gen3_openrst.urdf"
 
+EMPTY = 0.15  # [rad] between jaws, beyond which they hold nothing: a grasp ends there
+MIN_OPEN = 0.2  # [rad] that open jaws stand apart at least: EMPTY and a reserve
 PROMPT = 0.02  # [s] from a set-point to its measurement, for corrected joints, a followed trocar
 T = TypeVar("T")
 Arm = tuple[float, float, float, float, float, float, float]
@@ -77,6 +79,8 @@ class LimitsConfig:
             room = high - low - 2.0 * self.position_margin
             allowed = f"below the range of joint_{joint + 1}, {low:g} to {high:g} rad, by half"
             require(room > 0.0, "position_margin", self.position_margin, allowed)
+        allowed = f"above position_margin, {self.position_margin:g} rad"
+        require(self.pitch > self.position_margin, "pitch", self.pitch, allowed)
 
     @property
     def active(self) -> LimitLayer:
@@ -165,7 +169,7 @@ class SpeedConfig:
 class JawsConfig:
     """Opening and closing of the jaws."""
 
-    open: float = number(0.0, 1.5, "rad")
+    open: float = number(MIN_OPEN, 1.5, "rad")
     speed: float = number(0.01, 3.0, "rad/s")
     acceleration: float = number(0.01, 20.0, "rad/s^2")
     jerk: float = number(0.1, 1000.0, "rad/s^3")
@@ -270,6 +274,14 @@ class MotionConfig:
     scene: SceneConfig
     controller: ControllerConfig
     collision: CollisionConfig
+
+    def __post_init__(self) -> None:
+        """Check what no file shows alone."""
+        limits, opening = self.limits, self.controller.jaws.open
+        least = 0.5 * opening + limits.position_margin  # else no yaw would be left
+        allowed = f"above {least:g} rad, half of controller.jaws.open ({opening:g} rad)"
+        allowed += f" and limits.position_margin ({limits.position_margin:g} rad)"
+        require(limits.finger > least, "limits.finger", limits.finger, allowed)
 
 
 @dataclass(frozen=True, kw_only=True)

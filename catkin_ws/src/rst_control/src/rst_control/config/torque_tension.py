@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from rst_control.config.motion import CONFIG_FOLDER
+from rst_control.config.motion import CONFIG_FOLDER, EMPTY
 from typed_config import integer, load_file, number, require, text
 from typed_config.node_names import require_names
 
@@ -37,7 +37,7 @@ class TareConfig:
     """When the bias of the torques is taken, and how far from there it holds."""
 
     time: float = number(0.01, 5.0, "s")
-    opening: float = number(0.0, 1.5, "rad")
+    opening: float = number(0.0, EMPTY, "rad")  # all jaws open further: MIN_OPEN
     at_rest_speed: float = number(1e-4, 0.1, "rad/s")
     holds_within: float = number(0.001, 3.2, "rad")
     holds_for: float = number(1.0, 3600.0, "s")

@@ -14,13 +14,12 @@ from typing import Final
 
 import numpy as np
 
-from rst_control.config import MotionConfig, TensionConfig
+from rst_control.config import EMPTY, MotionConfig, TensionConfig
 from rst_control.config.sensors import SensorConfig
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.tension.grasp_response import GraspResponse
 from rst_control.types import Measurement, Vector
 
-EMPTY: Final = 0.15  # [rad] between jaws that hold nothing
 AVERAGE: Final = 0.05  # [s] over which the tension of empty jaws is averaged
 
 
