@@ -58,3 +58,47 @@ def test_an_argument_reaches_its_places(row, sample):
     value = sample(row.sample)
     assert unmet(row, value, reading(row.file)) == row.places, "the sample is the default"
     assert not unmet(row, value, reading(row.file, f"{row.name}:={value}"))
+
+
+OWN = {
+    "audio.yaml": ('device: ""', 'device: "headset"'),
+    "recognizer.yaml": ("device: cpu", "device: cuda"),
+    "profile.yaml": ("name: none", "name: ada"),
+    "alarms.yaml": (
+        "is_enabled: true       # false: alarms",
+        "is_enabled: false      # false: alarms",
+    ),
+}
+
+
+@pytest.mark.parametrize("file", ["system.launch", "two_hosts.launch"])
+def test_settings_of_an_own_folder_count_where_no_argument_is_given(file, tmp_path):
+    folder = tmp_path / "own"
+    shutil.copytree(PACKAGES / "voice_assist" / "config", folder)
+    for name, (shipped, own) in OWN.items():
+        text = (folder / name).read_text("utf-8")
+        assert shipped in text
+        (folder / name).write_text(text.replace(shipped, own, 1), "utf-8")
+    found = reading(file, f"config:={folder}").parameters
+    assert found["/voice_assist/audio/microphone/device"] == "headset"
+    assert found["/voice_assist/recognizer/device"] == "cuda"
+    assert found["/voice_assist/profile/name"] == "ada"
+    assert found["/alarms/sound/is_enabled"] is False
+
+
+def test_a_recording_that_is_named_is_heard_in_place_of_a_microphone():
+    assert reading("system.launch", "wav:=/a.wav").parameters["/voice_assist/audio/source"] == "wav"
+    both = reading("system.launch", "wav:=/a.wav", "source:=topic").parameters
+    assert both["/voice_assist/audio/source"] == "topic"
+
+
+def test_overrides_count_over_the_arguments_of_the_same_setting(tmp_path):
+    own = tmp_path / "own.yaml"
+    own.write_text("{simulator: {plant: lab, gui: true}, kinova: {driver: {name: left}}}", "utf-8")
+    found = reading("robot.launch", f"overrides:={own}").parameters
+    assert found["/robot/simulator/plant"] == "lab" and found["/robot/simulator/gui"] is True
+    assert found["/robot/kinova/driver/name"] == "left"
+    own.write_text("{bridge: {arm: {namespace: left}}}", "utf-8")
+    found = reading("kinova.launch", f"bridge_overrides:={own}").parameters
+    assert found["/kinova_bridge/bridge/arm/namespace"] == "left"
+    assert found["/kinova_guard/bridge/arm/namespace"] == "left"

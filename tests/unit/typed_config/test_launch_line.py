@@ -37,6 +37,34 @@ def test_known_arguments_and_those_of_ros_pass(words):
     check("voice_assist", "system.launch", *words)
 
 
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (("speak:=true", "alarms:=false"), "speak.*true.*only with alarms:=true"),
+        (("display_port:=9999",), "display_port.*9999.*only with display:=true"),
+        (("record:=false", "session:=today"), "session.*today.*only with record:=true"),
+        (("wav:=/a.wav", "voice:=False"), "wav.*/a.wav.*only with voice:=true"),
+    ],
+)
+def test_an_argument_of_a_part_that_is_not_started_is_refused(words, named):
+    with pytest.raises(ConfigError, match=named):
+        check("voice_assist", "system.launch", *words)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("speak:=true",),
+        ("speak:=false", "alarms:=false"),
+        ("display_port:=9999", "display:=true"),
+        ("session:=", "record:=false"),
+        ("voice:=false",),
+    ],
+)
+def test_an_argument_of_a_part_that_is_started_passes(words):
+    check("voice_assist", "system.launch", *words)
+
+
 @pytest.mark.parametrize("caller", ["mine.launch", "voice.launch"])
 def test_an_included_file_leaves_the_command_line_to_the_one_that_was_called(caller):
     check("mine", caller, "profil:=ada")

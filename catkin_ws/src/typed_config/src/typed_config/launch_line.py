@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What roslaunch takes without a word: a misspelt argument, and a host name that opens the master.
+"""What roslaunch takes without a word: arguments that do nothing, and a master open to others.
 
-roslaunch keeps an argument that no launch file declares, and uses it nowhere. Without `ROS_IP` and
+roslaunch keeps an argument that no launch file declares, and uses it nowhere. An argument of a part
+that is not started does nothing, either. Without `ROS_IP` and
 `ROS_HOSTNAME` the master, roslaunch itself and the nodes of others listen on all addresses.
 """
 
@@ -13,9 +14,17 @@ import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Final
 
 from typed_config.errors import ConfigError, Missing
 
+NEEDS: Final = {  # arguments that do nothing without the part that another one starts
+    **dict.fromkeys(("source", "device", "wav", "model", "denoise", "profile"), "voice"),
+    **dict.fromkeys(("speak", "alarm_sound"), "alarms"),
+    **dict.fromkeys(("session", "sessions"), "record"),
+    "display_port": "display",
+}
+_OFF = ("false", "0", "")
 _ARGUMENT = re.compile(r"(?P<name>[A-Za-z]\w*):=")  # names with a leading "_" are ROS's own
 
 
@@ -30,7 +39,8 @@ def check_launch_line(
         environment: Of that program; of this process where it is left out.
 
     Raises:
-        ConfigError: An argument on the command line is unknown to this file, or no address is set.
+        ConfigError: An argument on the command line is unknown to this file, or belongs to a part
+            that is not started, or no address is set.
     """
     given = os.environ if environment is None else environment
     if not (given.get("ROS_IP") or given.get("ROS_HOSTNAME")):
@@ -43,6 +53,7 @@ def check_launch_line(
     if not any(_names(word, file) for word in words):
         return  # another launch file includes this one, and roslaunch checks what it passes on
     known = arguments(file)
+    _require_parts(file, words)
     for match in filter(None, map(_ARGUMENT.match, words)):
         if match["name"] not in known:
             close = difflib.get_close_matches(match["name"], known, n=1)
@@ -52,10 +63,19 @@ def check_launch_line(
             )
 
 
-def arguments(file: Path) -> list[str]:
-    """Names of the arguments that a launch file declares for its caller, in its order."""
-    declared = ElementTree.parse(file).getroot().findall("arg")
-    return [argument.attrib["name"] for argument in declared if "value" not in argument.attrib]
+def arguments(file: Path) -> dict[str, str]:
+    """Arguments that a launch file declares for its caller, in its order, with their defaults."""
+    declared = [one.attrib for one in ElementTree.parse(file).getroot().findall("arg")]
+    return {one["name"]: one.get("default", "") for one in declared if "value" not in one}
+
+
+def _require_parts(file: Path, words: Sequence[str]) -> None:
+    given = {m["name"]: w[m.end() :] for w in words if (m := _ARGUMENT.match(w))}
+    in_force = {**arguments(file), **given}
+    for name, part in NEEDS.items():
+        is_asked = given.get(name, "").lower() not in _OFF
+        if is_asked and part in in_force and in_force[part].lower() in _OFF:
+            raise ConfigError(name, given[name], f"only with {part}:=true, which it is a part of")
 
 
 def caller_words() -> list[str]:
