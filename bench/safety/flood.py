@@ -44,9 +44,7 @@ def measure(seconds: float = SECONDS) -> list[Figure]:
     with tempfile.TemporaryDirectory() as name, System(Path(name) / "launch.log", {}) as system:
         rospy.init_node("bench", anonymous=True, disable_signals=True)
         observer = Observer()
-        system.launch(
-            ROOT / "launch" / "system.launch", voice=False, record=False, sessions=Path(name)
-        )
+        system.launch(ROOT / "launch" / "system.launch", voice=False, record=False)
         wait_until(lambda: observer.state, "the controller's state")
         time.sleep(SETTLE)
         _flood(SETTLE)  # memory that it allocates once is no growth
