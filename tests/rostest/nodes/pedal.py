@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The pedal node with a joy on a topic; this plays the controller."""
 
+import subprocess
+import sys
 import unittest
 
 import rospy
@@ -15,6 +17,17 @@ from support.waiting import wait_until
 from tests.support.robot_client import run_tests
 
 REST, HELD = -1.0, 1.0  # of the dead-man's axis
+OTHER_DRIVER = f"""
+import rospy
+from sensor_msgs.msg import Joy
+rospy.init_node("other_joy")
+joy = rospy.Publisher("joy", Joy, queue_size=10)
+while not joy.get_num_connections():
+    rospy.sleep(0.01)
+for dead_man in ({REST}, {HELD}):
+    joy.publish(Joy(buttons=[0, 0, 1, 0], axes=[dead_man]))
+rospy.spin()
+"""
 
 
 class Pedal(unittest.TestCase):
@@ -23,13 +36,14 @@ class Pedal(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.stops, cls.commands, cls.gate, cls.health = [], [], [], []
-        rospy.Subscriber("rst_control/stop", Empty, cls.note_stop)
+        stops = rospy.Subscriber("rst_control/stop", Empty, cls.note_stop)
         rospy.Subscriber("voice_assist/talk", Bool, lambda m: cls.gate.append(m.data))
         rospy.Subscriber("/diagnostics", DiagnosticArray, cls.note_health)
         rospy.Service("rst_control/command", Command, cls.take)
         cls.states = rospy.Publisher("rst_control/state", ControllerState, queue_size=1)
         cls.joy = rospy.Publisher("joy", Joy, queue_size=10)
-        wait_until(lambda: cls.joy.get_num_connections() and cls.states.get_num_connections())
+        links = (cls.joy, cls.states, stops)
+        wait_until(lambda: all(link.get_num_connections() for link in links))
 
     @classmethod
     def note_stop(cls, message):
@@ -79,7 +93,21 @@ class Pedal(unittest.TestCase):
         wait_until(lambda: len(self.stops) > 1)
         self.states.publish(ControllerState(state="halted"))
 
-    def test_5_a_joy_that_vanishes_is_named_brakes_and_closes_the_gate(self):
+    def test_5_a_driver_that_is_killed_releases_its_presses_beside_another(self):
+        self.step()
+        wait_until(lambda: self.gate[-1:] == [False])
+        driver = subprocess.Popen([sys.executable, "-c", OTHER_DRIVER])
+        self.addCleanup(driver.wait)
+        self.addCleanup(driver.kill)
+        wait_until(lambda: self.gate[-1:] == [True])
+        self.stops.clear()
+        driver.kill()
+        wait_until(lambda: self.stops)
+        wait_until(lambda: self.gate[-1:] == [False])
+        wait_until(lambda: any("/other_joy publishes joy no more" in w for w in self.health))
+        self.step()  # the other is there, and what it presses counts after a release
+
+    def test_6_a_joy_that_vanishes_is_named_brakes_and_closes_the_gate(self):
         self.step(2, dead_man=REST)
         self.step(2, dead_man=HELD)
         wait_until(lambda: self.gate[-1:] == [True])
@@ -87,7 +115,7 @@ class Pedal(unittest.TestCase):
         self.joy.unregister()
         wait_until(lambda: self.stops)
         wait_until(lambda: self.gate[-1:] == [False])
-        wait_until(lambda: any("nobody publishes" in words for words in self.health))
+        wait_until(lambda: any("/pedal_test publishes joy no" in w for w in self.health))
 
 
 if __name__ == "__main__":

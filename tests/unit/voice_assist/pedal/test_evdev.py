@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Input devices by name, and their events, here from a pipe in place of a device."""
 
+import errno
 import os
+import struct
 import threading
 from contextlib import suppress
 
@@ -87,19 +89,24 @@ def test_events_are_read_until_the_device_is_gone_or_some_are_lost(tmp_path, the
 def read(tmp_path, monkeypatch):
     """News of a device of which some keys are pressed when it is opened, then some events come."""
 
-    def read(pressed, *events):
+    def read(pressed, *events, axes=()):
         bits = bytearray(96)
         for code in pressed:
             bits[code // 8] |= 1 << code % 8
 
         def ioctl(file, request, argument):
-            return bytes(bits) if request == 0x80604518 else 0  # EVIOCGKEY(96) of the kernel
+            if request == 0x80604518:  # EVIOCGKEY(96) of the kernel
+                return bytes(bits)
+            if request == 0x80184550:  # EVIOCGABS(16) of the kernel: value, least, most and more
+                return struct.pack("6i", dict(axes)[16], -1, 1, 0, 0, 0)
+            return 0
 
         monkeypatch.setattr(evdev.fcntl, "ioctl", ioctl)
         pipe = tmp_path / "event1"
         pipe.write_bytes(b"".join(EVENT.pack(1, 2, *event) for event in events))
         seen = []
-        with EvdevReader(pipe) as reader, suppress(DeviceMissingError):
+        inputs = [f"axis {code}" for code, _ in axes]
+        with EvdevReader(pipe, inputs) as reader, suppress(DeviceMissingError):
             for news in reader:
                 seen.append(news)
         return seen
@@ -130,3 +137,44 @@ def test_the_first_press_counts_where_the_key_was_up_when_the_device_was_found(r
     actions = [action for news in read(pressed, (1, 48, 1)) for action in pedals.take(news)]
     assert actions == sent
     assert len(pedals.remarks) == int(49 in pressed)  # which does nothing
+
+
+@pytest.mark.parametrize(("value", "sent"), [(0, [Send("tense", "axis 16")]), (1, [])])
+def test_the_first_press_of_an_axis_counts_where_it_was_at_rest_before(read, value, sent):
+    binding = {"input": "axis 16", "above": 0.5, "does": "command", "command": "tense"}
+    file = load_yaml(CONFIG_DIR / "pedal.yaml")
+    pedals = Pedals(pedal_config({**file, "bindings": [binding]}))
+    pedals.found()
+    news = read([], (3, 16, 1), axes=[(16, value)])
+    assert news[0]["axis 16"] == value
+    assert [action for one in news for action in pedals.take(one)] == sent
+
+
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [
+        (errno.EBUSY, "another program has taken it"),
+        (errno.ENODEV, "No such device"),
+        (errno.ENOTTY, None),
+        (errno.EINVAL, None),
+    ],
+)
+def test_a_device_that_another_program_has_taken_is_not_read(tmp_path, monkeypatch, number, words):
+    def ioctl(file, request, argument):
+        raise OSError(number, os.strerror(number))
+
+    closed = []
+    monkeypatch.setattr(evdev.fcntl, "ioctl", ioctl)
+    monkeypatch.setattr(evdev.os, "close", closed.append)
+    pipe = tmp_path / "event1"
+    pipe.write_bytes(b"")
+    reader = EvdevReader(pipe, ["axis 16"])
+    if words is None:
+        with reader, pytest.raises(DeviceMissingError, match="the device ends"):
+            next(iter(reader))
+    else:
+        with pytest.raises(OSError, match=words):
+            reader.__enter__()
+    assert closed == [reader._file]
+    monkeypatch.undo()
+    os.close(reader._file)

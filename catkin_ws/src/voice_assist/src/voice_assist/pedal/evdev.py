@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Final
@@ -19,6 +20,10 @@ SYN_DROPPED: Final = 3  # code of EV_SYN: the kernel had no room for events
 EVIOCGRAB: Final = 0x40044590  # a pedal is a keyboard: elsewhere it would type
 KEYS: Final = 768  # codes of keys; the kernel gives a bit for each
 EVIOCGKEY: Final = 2 << 30 | KEYS // 8 << 16 | 0x45 << 8 | 0x18  # which keys are pressed now
+AXES: Final = 64  # codes of axes
+ABSINFO: Final = struct.Struct("6i")  # input_absinfo: value, and five more
+EVIOCGABS: Final = 2 << 30 | ABSINFO.size << 16 | 0x45 << 8 | 0x40  # of axis 0: where it is now
+NO_DEVICE: Final = (errno.ENOTTY, errno.EINVAL)  # it is a pipe of a test
 REPEATED: Final = 2  # value of a key that is held
 
 
@@ -56,33 +61,39 @@ class EvdevReader:
 
     Args:
         path: Of the device.
+        inputs: Names of those that count, such as "axis 16".
     """
 
-    def __init__(self, path: Path) -> None:
-        self._path = path
+    def __init__(self, path: Path, inputs: Collection[str] = ()) -> None:
+        self._path, self._inputs = path, inputs
         self._file = -1
 
     def __enter__(self) -> EvdevReader:
         """Open it.
 
         Raises:
-            OSError: It cannot be opened.
+            OSError: It cannot be opened, or another program reads it alone.
         """
         self._file = os.open(self._path, os.O_RDONLY | os.O_CLOEXEC)
-        with suppress(OSError):  # another reader has it, or it is no device but a pipe of a test
+        try:
             fcntl.ioctl(self._file, EVIOCGRAB, 1)
+        except OSError as error:
+            if error.errno not in NO_DEVICE:
+                os.close(self._file)
+                is_taken = error.errno == errno.EBUSY
+                raise OSError("another program has taken it" if is_taken else error) from error
         return self
 
     def __exit__(self, *_: object) -> None:
         os.close(self._file)
 
     def __iter__(self) -> Iterator[Mapping[str, float]]:
-        """First the present state of its keys, then news of inputs, until the device is gone.
+        """First the state of its keys and axes, then news of inputs, until the device is gone.
 
         Raises:
             OSError: It is gone, or events were lost; says why.
         """
-        if present := self._present_keys():
+        if present := {**self._present_keys(), **self._present_axes()}:
             yield present
         rest = b""
         while data := os.read(self._file, 64 * EVENT.size):
@@ -105,3 +116,14 @@ class EvdevReader:
         except OSError:  # it is no device, but a pipe of a test
             return {}
         return {f"button {code}": float(bits[code // 8] >> code % 8 & 1) for code in range(KEYS)}
+
+    def _present_axes(self) -> Mapping[str, float]:
+        """Where the axes that count are; one that is unknown is left out."""
+        found = {}
+        for code in range(AXES):
+            name = f"axis {code}"
+            if name in self._inputs:
+                with suppress(OSError):
+                    data = fcntl.ioctl(self._file, EVIOCGABS + code, bytes(ABSINFO.size))
+                    found[name] = float(ABSINFO.unpack(data)[0])
+        return found

@@ -9,7 +9,9 @@ from typing import Any
 import genpy
 import rospy
 
+from typed_config.node_names import is_allowed
 from typed_config.ros.known_publishers import KnownPublishers
+from typed_config.ros.system_names import of_this_system
 from voice_assist.config.believed import believed_config
 
 
@@ -42,3 +44,12 @@ class Believed(KnownPublishers):
             options: As of rospy.Subscriber.
         """
         return self.subscribe(topic, kind, callback, getattr(self._config, by), **options)
+
+    def is_believed(self, by: str, name: str) -> bool:
+        """Whether a node of that name is believed.
+
+        Args:
+            by: Key of believed.yaml that names who is.
+            name: As the node gives it.
+        """
+        return is_allowed(name, map(of_this_system, getattr(self._config, by)))

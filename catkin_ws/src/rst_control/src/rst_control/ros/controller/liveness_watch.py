@@ -17,6 +17,7 @@ from rst_control.execution.executor import Executor
 from rst_control.ros.common.peers import Peers
 from rst_control.ros.controller.recording_link import RecordingLink
 from rst_control.supervision.node_liveness import MASTER, NodeLiveness
+from typed_config.ros.connections import is_heard
 
 PERIOD: Final = 0.01  # [s] between looks; one takes some 0.1 ms
 HUNG_UP: Final = "hung up"
@@ -59,9 +60,3 @@ class LivenessWatch:
         for name in recorders:
             if words := self.peers.state(name):
                 self._recording.lost(name, words)
-
-
-def is_heard(link: rospy.Subscriber, name: str) -> bool:
-    """Whether a connection from a node is open; a process that ends closes it at once."""
-    connections = list(link.impl.connections) if link.impl is not None else []
-    return any(c.callerid_pub == name and not c.done for c in connections)

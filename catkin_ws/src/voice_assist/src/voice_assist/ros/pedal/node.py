@@ -17,6 +17,7 @@ from sensor_msgs.msg import Joy
 from std_msgs.msg import Bool, Empty
 
 from rst_control.msg import ControllerState
+from typed_config.ros.connections import is_heard, open_callers
 from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
 from voice_assist.config.pedal import PedalConfig, pedal_config
@@ -55,6 +56,7 @@ class PedalNode:
         self._diagnostics = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=2)
         self._client = CommandClient(ANSWER_WITHIN, _log_answer)
         self._joy: rospy.Subscriber | None = None
+        self._set_by: dict[str, str] = {}  # by input, node that set it last; "": any message
         self._known = Believed()
         if self._pedals.has_dead_man:
             state = "rst_control/state"
@@ -86,15 +88,19 @@ class PedalNode:
         with self._lock:
             self._last_news = time.monotonic()
             if not self._pedals.is_there:
+                self._set_by.clear()
                 self._found(f"joy on {self._config.topic}")
                 self._pedals.check(values)
+            header = getattr(message, "_connection_header", None) or {}
+            self._set_by |= dict.fromkeys(["", *values], header.get("callerid", ""))
             self._take(values)
 
     def _read(self) -> None:
         """Thread of a USB device: read it, look for it again when it is gone."""
+        inputs = [binding.input for binding in self._config.bindings]
         while not rospy.is_shutdown():
             try:
-                with EvdevReader(DEVICES / find(self._config.device)) as reader:
+                with EvdevReader(DEVICES / find(self._config.device), inputs) as reader:
                     with self._lock:
                         self._found(self._config.device)
                     for values in reader:
@@ -156,15 +162,17 @@ class PedalNode:
         """Why a joy that was there is gone; empty: it is there, or it never was."""
         if self._joy is None or not self._pedals.is_there:
             return ""
-        if self._joy.get_num_connections() == 0:
-            return f"nobody publishes {self._config.topic} any more"
+        for name in sorted(set(self._set_by.values())):
+            if not is_heard(self._joy, name):
+                return f"{name} publishes {self._config.topic} no more"
         age, allowed = time.monotonic() - self._last_news, self._config.silent_after
         return f"{self._config.topic} silent for {age:.1f} s" if 0.0 < allowed < age else ""
 
     def _state_of_device(self) -> tuple[int, str]:
         """Level of the pedal's diagnostics, and its words."""
-        joy = self._joy if self._trouble == NOT_FOUND else None
-        if joy is not None and joy.get_num_connections() > 0:
+        callers = open_callers(self._joy) if self._joy is not None else set()
+        is_connected = any(self._known.is_believed("joy", name) for name in callers)
+        if self._trouble == NOT_FOUND and is_connected:
             return DiagnosticStatus.OK, "connected, nothing pressed yet"  # it sends changes only
         level = DiagnosticStatus.ERROR if self._trouble else DiagnosticStatus.OK
         return level, self._trouble or "there"
