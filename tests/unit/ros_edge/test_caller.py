@@ -5,13 +5,15 @@ import io
 import socket
 import threading
 import time
+from queue import Queue
 from types import SimpleNamespace
 
 import pytest
 import rospy
 
-from rst_control.srv import CommandRequest
-from voice_assist.ros.service_calls import drop, in_time, timely
+from rst_control.srv import Command, CommandRequest, CommandResponse
+from voice_assist.ros import service_calls
+from voice_assist.ros.service_calls import call_service, drop, in_time, timely
 
 
 def test_a_request_is_written_until_its_time_is_over_and_not_after_it():
@@ -90,3 +92,88 @@ def test_an_answer_is_waited_for_and_given_up_in_time_by_a_thread_that_ends_with
     assert time.monotonic() - began < 10.0
     go_on.set()
     assert seen == [True]
+
+
+class Service:
+    """In place of a service: it answers, fails, or hangs before or after the request."""
+
+    def __init__(self, monkeypatch, hangs="", error=None):
+        self.hangs, self.error, self.thaws = hangs, error, threading.Event()
+        self.received, self.outcomes, self.transport, self.closed = [], Queue(), None, 0
+        monkeypatch.setattr(rospy, "ServiceProxy", lambda *_, **__: self)
+
+    def __call__(self, request):
+        try:
+            if self.hangs == "before":
+                self.thaws.wait(60.0)
+            request.serialize(SimpleNamespace(write=self.received.append))
+            if self.hangs == "after":
+                self.thaws.wait(60.0)
+            if self.error is not None:
+                raise self.error
+        except Exception as error:
+            self.outcomes.put(error)
+            raise
+        return CommandResponse(True, "", "")
+
+    def close(self):
+        self.closed += 1
+
+
+def test_a_service_that_answers_is_asked_once(monkeypatch):
+    service = Service(monkeypatch)
+    reply = call_service("name", Command, "tense", within=60.0)
+    assert (reply.response.accepted, reply.trouble, reply.may_take_effect) == (True, "", False)
+    assert service.received and service.closed == 1
+
+
+def test_what_a_service_that_hangs_was_not_sent_it_is_never_sent(monkeypatch):
+    service = Service(monkeypatch, hangs="before")
+    reply = call_service("name", Command, "tense", within=0.05)
+    assert (reply.response, reply.trouble) == (None, "no answer within 0.05 s")
+    assert not reply.may_take_effect
+    service.thaws.set()
+    assert isinstance(service.outcomes.get(timeout=10.0), rospy.ServiceException)
+    assert not service.received and service.closed == 1
+
+
+def test_what_is_given_up_while_it_is_just_being_sent_is_not_sent(monkeypatch):
+    """The thread may be late between its look at the deadline and what follows."""
+    service = Service(monkeypatch, hangs="before")
+    clock = SimpleNamespace(monotonic=lambda: 0.0)  # so that no deadline is ever over
+    monkeypatch.setattr(service_calls, "time", clock)
+    assert not call_service("name", Command, "tense", within=0.05).may_take_effect
+    service.thaws.set()
+    assert "given up" in str(service.outcomes.get(timeout=10.0))
+    assert not service.received
+
+
+SAYS_NO = rospy.ServiceException("service [/name] responded with an error: b'no'")
+
+
+@pytest.mark.parametrize(
+    ("fault", "may_take_effect"),
+    [
+        ({"hangs": "after"}, True),
+        ({"error": rospy.ServiceException("transport error completing service call")}, True),
+        ({"error": BrokenPipeError("broken")}, True),
+        ({"error": SAYS_NO}, False),
+    ],
+)
+def test_what_was_sent_and_not_answered_may_still_take_effect(monkeypatch, fault, may_take_effect):
+    service = Service(monkeypatch, **fault)
+    reply = call_service("name", Command, "tense", within=0.5)
+    assert reply.response is None and reply.trouble and service.closed == 1
+    assert reply.may_take_effect is may_take_effect
+    service.thaws.set()
+
+
+def test_a_service_that_does_not_appear_is_not_asked(monkeypatch):
+    def fail(name, within):
+        raise rospy.ROSException(f"{name}: not within {within:g}")
+
+    service = Service(monkeypatch)
+    monkeypatch.setattr(rospy, "wait_for_service", fail)
+    reply = call_service("name", Command, "tense", within=60.0, appears=2.0)
+    assert (reply.trouble, reply.may_take_effect) == ("name: not within 2", False)
+    assert not service.received

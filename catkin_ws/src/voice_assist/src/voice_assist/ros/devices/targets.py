@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable, Mapping
 from queue import Empty, Queue
@@ -18,8 +17,10 @@ from voice_assist.config.devices import DeviceCallConfig
 from voice_assist.devices.calls import CallResult
 from voice_assist.errors import CommandsError
 from voice_assist.ros.devices.types import message_class, service_class
+from voice_assist.ros.service_calls import call_service
 
 ANSWER_FIELDS: Final = ("success", "accepted")  # of a response that may say no
+MAY_COME: Final = "; it may still be carried out"  # a request that was sent and not answered
 
 
 class Target(Protocol):
@@ -57,21 +58,14 @@ class _Service:
         self._request = _filled(self._kind._request_class, config.values)
 
     def call(self) -> CallResult:
-        answers: Queue[CallResult] = Queue(1)
-        threading.Thread(target=lambda: answers.put(self._ask()), daemon=True).start()
-        try:
-            return answers.get(timeout=self._config.within)
-        except Empty:
-            return CallResult(self._config, False, f"no answer within {self._config.within:g} s")
-
-    def _ask(self) -> CallResult:
-        proxy = rospy.ServiceProxy(self._config.target, self._kind)
-        try:
-            response = proxy(self._request)
-        except (rospy.ServiceException, rospy.ROSException, OSError) as error:
-            return CallResult(self._config, False, str(error))
+        config, request = self._config, self._request
+        words = [getattr(request, field) for field in request.__slots__]
+        reply = call_service(config.target, self._kind, *words, within=config.within)
+        if (response := reply.response) is None:
+            trouble = reply.trouble + (MAY_COME if reply.may_take_effect else "")
+            return CallResult(config, False, trouble)
         says = [getattr(response, name) for name in ANSWER_FIELDS if hasattr(response, name)]
-        return CallResult(self._config, all(says), str(getattr(response, "message", "")))
+        return CallResult(config, all(says), str(getattr(response, "message", "")))
 
 
 class _Topic:

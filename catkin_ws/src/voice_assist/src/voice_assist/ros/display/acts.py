@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import rospy
@@ -18,7 +17,7 @@ from voice_assist.ros.display.endoscope import Endoscope
 from voice_assist.ros.microphone_service import SERVICE as MICROPHONE
 from voice_assist.ros.question_service import SERVICE as ANSWER
 from voice_assist.ros.robot.command_client import SERVICE
-from voice_assist.ros.service_calls import drop, in_time, timely
+from voice_assist.ros.service_calls import call_service
 from voice_assist.srv import AnswerQuestion, SetMicrophone
 
 GRASP_POINT = "rst_control/set_grasp_point"
@@ -88,16 +87,4 @@ def _call(name: str, kind: Any, *words: Any, within: float | None = None) -> Any
         within: Longest wait for the answer [s]; None: `WITHIN`, as for the service to be there.
     """
     limit = WITHIN if within is None else within
-    request = timely(kind._request_class, time.monotonic() + limit)(*words)
-    proxy = rospy.ServiceProxy(name, kind, persistent=True)  # which `drop` can close
-
-    def ask() -> Any:
-        rospy.wait_for_service(name, WITHIN)
-        return proxy(request)
-
-    reply = in_time(ask, limit)
-    if reply is None:
-        drop(proxy)
-    else:
-        proxy.close()
-    return reply
+    return call_service(name, kind, *words, within=limit, appears=WITHIN).response
