@@ -8,6 +8,7 @@ from rst_control.msg import ReasonCode
 from tests.support.robot_client import RobotTest, run_tests
 
 LIMIT = "controller/controller/tension/limit"
+KEPT = "robot/launched"
 
 
 class ChangedSettings(RobotTest):
@@ -16,13 +17,14 @@ class ChangedSettings(RobotTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.launched = rospy.get_param(LIMIT)
+        cls.launched, cls.kept = rospy.get_param(LIMIT), rospy.get_param(KEPT)
         cls.robot.start_fresh()
 
     @classmethod
     def tearDownClass(cls):
         rospy.set_param(LIMIT, cls.launched)
         rospy.delete_param("robot/pause")
+        rospy.set_param(KEPT, cls.kept)
         super().tearDownClass()
 
     def test_1_a_changed_setting_latches_and_is_named(self):
@@ -42,6 +44,12 @@ class ChangedSettings(RobotTest):
         self.robot.wait_for_state("halted")
         self.assertIn("tension/limit is 30.0", self.reason())
         self.assertNotIn("pause", self.reason())
+
+    def test_4_a_node_that_is_launched_again_with_the_same_settings_stops_nothing(self):
+        rospy.delete_param(KEPT)  # as a launch does, until the node has started
+        self.robot.activate()
+        rospy.sleep(5.0)  # the server is looked at meanwhile
+        self.assertEqual(self.robot.state.state, "active")
 
     def reason(self):
         return self.robot.state.halt_reason

@@ -3,7 +3,7 @@
 
 import pytest
 
-from rst_control.supervision.launched_settings import LaunchedSettings
+from rst_control.supervision.launched_settings import GONE_LOOKS, LaunchedSettings
 from typed_config.ros.launch_settings import differences
 
 LAUNCHED = {"tension": {"limit": 2.4}, "rate": 500.0}
@@ -46,9 +46,50 @@ def test_a_node_that_was_launched_anew_with_the_same_is_none(settings):
     assert settings.update(robot_and(dict(LAUNCHED), dict(LAUNCHED))) == ""
 
 
-def test_settings_that_are_gone_are_named(settings):
-    assert "those of its launch are gone" in settings.update(robot_and(None, LAUNCHED))
-    assert settings.update({"robot": (LAUNCHED, LAUNCHED)}) == "controller: all are gone"
+def looks(settings, nodes, count):
+    return [settings.update(nodes) for _ in range(count)]
+
+
+ALONE = {"robot": (LAUNCHED, LAUNCHED)}  # while the controller has no settings at all
+
+
+def test_a_node_that_is_launched_again_with_the_same_is_none_however_long_it_starts(settings):
+    assert settings.update(ALONE) == ""  # cleared, and not set yet
+    partly = {"tension": {}, "rate": 500.0}
+    assert settings.update(robot_and(None, partly)) == ""
+    assert set(looks(settings, robot_and(None, LAUNCHED), 5 * GONE_LOOKS)) == {""}
+    assert settings.problem == ""
+    assert settings.update(robot_and(LAUNCHED, LAUNCHED)) == ""
+
+
+@pytest.mark.parametrize("now", [EDITED, {"tension": {"limit": 24.0}}])
+def test_other_settings_are_named_at_once_where_a_node_keeps_none(settings, now):
+    assert settings.update(robot_and(None, now)) == WORDS
+    assert settings.update(robot_and(None, now)) == ""
+    assert settings.problem == WORDS
+
+
+@pytest.mark.parametrize(
+    ("nodes", "words"),
+    [
+        (ALONE, "controller: all are gone"),
+        (robot_and(None, {}), "controller: all are gone"),
+        (robot_and(None, {"page": "http://host"}), "controller: all are gone"),
+        (
+            robot_and(None, {"rate": 500.0, "tension": {}}),
+            "controller: tension/limit is None, at the launch 2.4",
+        ),
+    ],
+)
+def test_settings_that_stay_gone_are_named_once(settings, nodes, words):
+    assert looks(settings, nodes, GONE_LOOKS + 1) == [""] * (GONE_LOOKS - 1) + [words, ""]
+    assert settings.problem == words
+
+
+def test_settings_that_were_gone_for_a_moment_again_and_again_are_none(settings):
+    for _ in range(3):
+        assert set(looks(settings, ALONE, GONE_LOOKS - 1)) == {""}
+        assert settings.update(robot_and(LAUNCHED, LAUNCHED)) == ""
 
 
 def test_what_is_no_node_that_keeps_settings_is_none(settings):
