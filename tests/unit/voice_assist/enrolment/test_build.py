@@ -11,9 +11,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.unit.voice_assist.support.records import take as good_take
 from voice_assist.config import VoiceConfig, load_voice_config
 from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
+from voice_assist.enrolment.build import _of_commands as of_commands
+from voice_assist.enrolment.build import _require_takes as require_takes
 from voice_assist.enrolment.build import build
+from voice_assist.enrolment.learn import EnrolmentMaterial, LabelledTake
 from voice_assist.enrolment.pipeline_probe import PipelineProbe
 from voice_assist.enrolment.takes.checks import TakeCheck
 from voice_assist.enrolment.takes.script import EnrolmentScript, EnrolmentStep
@@ -115,6 +119,26 @@ def test_a_profile_of_wrong_words_is_refused_and_names_them(
     assert not swapped.has("model.pt")
     with pytest.raises(VoiceProfileError, match="failed its own check"):
         personalise(dataclasses.replace(voice.profile, name="eve"), base)
+
+
+def test_takes_of_a_phrase_that_is_no_command_any_more_are_left_out_with_a_note(
+    voice: VoiceConfig, config: EnrolmentConfig, base: EmbeddedRecognizer
+) -> None:
+    made = create_profile("fay", base.model_hash, Path(voice.profile.folder))
+    made.add_take(np.zeros(RATE, np.float32), good_take("camera closer"))
+    notes: list[str] = []
+    with pytest.raises(VoiceProfileError, match="too few takes of 'hey robot' 0"):
+        build(made, voice, config, base, on_note=notes.append)
+    allowed = ", ".join(PHRASES)
+    assert notes == [f"takes of 'camera closer' are left out: it is no command; allowed: {allowed}"]
+
+
+def test_takes_that_are_left_out_refuse_nothing(config: EnrolmentConfig) -> None:
+    said = [LabelledTake("f", p, np.zeros(10)) for p in (*PHRASES, "camera closer")]
+    talk = LabelledTake("t", "", np.zeros(RATE * 60))
+    kept = of_commands(EnrolmentMaterial((*said, *said, *said), (talk,)), PHRASES, lambda _: None)
+    require_takes(kept, PHRASES, config)
+    assert {one.phrase for one in kept.takes} == set(PHRASES)
 
 
 def test_too_few_takes_are_refused_by_name(

@@ -195,6 +195,27 @@ def test_recordings_are_taken_over_by_their_names_once(
     assert script.take_over(read_recordings(found), lambda *_: None) == 0
 
 
+def test_recordings_of_one_name_and_length_are_all_taken_over(
+    profile: VoiceProfile, tmp_path: Path
+) -> None:
+    rows = ["path,transcript"]
+    for phrase in ("stop", "now", "tense"):
+        sound = np.zeros(2 * RATE, np.float32)
+        sound[: len(said(phrase))] = said(phrase)
+        write(tmp_path / phrase, "1.wav", sound)
+        rows.append(f"{phrase}/1.wav,{'' if phrase == 'now' else phrase}")
+    (tmp_path / "takes.csv").write_text("\n".join(rows) + "\n")
+    found = find_recordings(tmp_path, COMMANDS.phrases)
+    offered: list[str] = []
+    script = session(profile)
+    script.take_over(read_recordings(found), lambda name, _: offered.append(name))
+    assert offered == ["1.wav"] * 3
+    kept = [take.phrase for take in profile.manifest.takes]
+    assert {"stop", "tense"} <= set(kept)
+    script.take_over(read_recordings(found), lambda *_: None)
+    assert [take.phrase for take in profile.manifest.takes] == kept
+
+
 def test_a_list_says_what_is_in_which_recording(tmp_path: Path) -> None:
     folder = tmp_path / "wavs"
     write(folder, "a.wav", said("tense"))

@@ -110,6 +110,31 @@ def test_a_profile_is_not_made_twice(profile: VoiceProfile) -> None:
         create_profile("ada", BASE, profile.folder.parent)
 
 
+@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
+def test_a_profile_that_cannot_be_saved_leaves_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: BaseException
+) -> None:
+    def fail(_: int) -> None:
+        raise error
+
+    with monkeypatch.context() as patched:
+        patched.setattr("voice_assist.profile.profile.os.fsync", fail)
+        with pytest.raises((VoiceProfileError, KeyboardInterrupt)):
+            create_profile("ada", BASE, tmp_path)
+    assert not list(tmp_path.iterdir())
+    create_profile("ada", BASE, tmp_path)
+
+
+def test_a_folder_that_holds_no_profile_is_used(tmp_path: Path) -> None:
+    (tmp_path / "ada").mkdir(mode=0o755)
+    (tmp_path / "ada" / ".profile.json.tmp").touch()
+    create_profile("ada", BASE, tmp_path)
+    assert open_profile("ada", tmp_path).manifest.takes == ()
+    (tmp_path / "bob" / "takes").mkdir(parents=True)
+    with pytest.raises(VoiceProfileError, match="'bob' exists already"):
+        create_profile("bob", BASE, tmp_path)
+
+
 def test_a_file_that_the_manifest_does_not_name_is_not_read(profile: VoiceProfile) -> None:
     (profile.folder / "other.bin").write_bytes(b"?")
     with pytest.raises(VoiceProfileError, match=r"has no file 'other.bin', only: model.pt"):

@@ -14,7 +14,12 @@ from voice_assist.config import VoiceConfig
 from voice_assist.config.commands import CommandsConfig
 from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
 from voice_assist.enrolment.takes.checks import Checked, TakeCheck
-from voice_assist.enrolment.takes.script import EnrolmentScript, EnrolmentStep, RecordedTake
+from voice_assist.enrolment.takes.script import (
+    EnrolmentScript,
+    EnrolmentStep,
+    RecordedTake,
+    require_letters,
+)
 from voice_assist.intent.confusability import closest_pairs
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.profile.profile import (
@@ -27,8 +32,6 @@ from voice_assist.profile.profile import (
     profiles_folder,
 )
 from voice_assist.recognizer.recognizer import Recognizer
-from voice_assist.recognizer.vocabulary import CHARACTERS
-from voice_assist.text.normalize import normalize
 
 
 @dataclass(frozen=True)
@@ -52,9 +55,7 @@ def enroll(voice: VoiceConfig, asked: EnrolRequest, ask: Callable[[str], str] = 
     """
     from voice_assist.recognizer import load_recognizer
 
-    for phrase in voice.commands.fixed_phrases:
-        if not set("".join(normalize(phrase))) <= set(CHARACTERS):
-            raise VoiceProfileError(f"{phrase!r}: a profile's phrases have letters a to z only")
+    require_letters(voice.commands.fixed_phrases)
     console, config = Console(), load_enrolment_config(asked.settings)
     _warn_of_alikes(voice.commands, console)
     recorded = _recorded(asked, config.session_reader, voice.commands.fixed_phrases)

@@ -13,6 +13,7 @@ import io
 import os
 import shutil
 import stat
+from contextlib import suppress
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -91,7 +92,7 @@ class VoiceProfile:
         used = [int(take.file[6:10]) for take in self.manifest.takes]
         name = f"takes/{max(used, default=0) + 1:04d}.wav"
         data = _wav(samples)
-        take = replace(take, file=name, sha256=hashlib.sha256(data).hexdigest())
+        take = replace(take, file=name, sha256=_digest(data))
         self._write(name, data)
         self._save(replace(self.manifest, takes=(*self.manifest.takes, take)))
         return take
@@ -201,7 +202,7 @@ class VoiceProfile:
 
 
 def create_profile(name: str, base_sha256: str, root: Path) -> VoiceProfile:
-    """Make an empty profile.
+    """Make an empty profile; a folder of that name that holds none is used for it.
 
     Args:
         name: Of the person.
@@ -216,7 +217,8 @@ def create_profile(name: str, base_sha256: str, root: Path) -> VoiceProfile:
     folder = root / name
     try:
         root.mkdir(mode=_FOLDER, parents=True, exist_ok=True)
-        folder.mkdir(mode=_FOLDER)
+        folder.mkdir(mode=_FOLDER, exist_ok=_is_unfinished(folder))
+        folder.chmod(_FOLDER)
     except FileExistsError as error:
         raise VoiceProfileError(f"profile {name!r} exists already in {root}") from error
     except OSError as error:
@@ -232,7 +234,11 @@ def create_profile(name: str, base_sha256: str, root: Path) -> VoiceProfile:
         files=(),
     )
     profile = VoiceProfile(folder, manifest, "")
-    profile._save(manifest)
+    try:
+        profile._save(manifest)
+    finally:
+        if _is_unfinished(folder):
+            _remove_unfinished(folder)
     return profile
 
 
@@ -286,6 +292,11 @@ def delete_profile(name: str, root: Path) -> int:
     return count
 
 
+def take_digest(samples: Samples) -> str:
+    """Check sum that a take of this sound has on file."""
+    return _digest(_wav(samples))
+
+
 def facts_of(recognizer: Recognizer) -> dict[str, str]:
     """What a recording says of the profile in use; nothing where the base alone hears."""
     name, digest = getattr(recognizer, "profile", ""), getattr(recognizer, "profile_digest", "")
@@ -295,6 +306,10 @@ def facts_of(recognizer: Recognizer) -> dict[str, str]:
 def now() -> str:
     """Time of a take, UTC, to the second."""
     return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
 
 
 def _wav(samples: Samples) -> bytes:
@@ -312,6 +327,19 @@ def _read_own(path: Path, name: str) -> bytes:
         return path.read_bytes()
     except OSError as error:
         raise VoiceProfileError(f"profile {name!r}: {path}: {error.strerror}") from error
+
+
+def _is_unfinished(folder: Path) -> bool:
+    """Whether a folder holds no profile, or is not there."""
+    there = (folder / MANIFEST, folder / "takes")
+    return not folder.is_symlink() and not any(path.exists() for path in there)
+
+
+def _remove_unfinished(folder: Path) -> None:
+    """Remove the folder of a profile that was not made to its end; one that holds more stays."""
+    with suppress(OSError):
+        (folder / f".{MANIFEST}.tmp").unlink(missing_ok=True)
+        folder.rmdir()
 
 
 def _require_private(path: Path, name: str, allowed: int) -> None:

@@ -12,9 +12,11 @@ import rospy
 from typed_config import ConfigError
 from typed_config.ros.starting import starting
 from voice_assist.assembly import limit_torch
-from voice_assist.config import load_voice_config
-from voice_assist.config.enrolment import load_enrolment_config
+from voice_assist.config import CONFIG_DIR, VoiceConfig, load_voice_config
+from voice_assist.config.commands import ENGLISH
+from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
 from voice_assist.enrolment.remote_session import ActionResult, EnrolmentService
+from voice_assist.enrolment.takes.script import require_letters
 from voice_assist.errors import AudioError, VoiceError
 from voice_assist.msg import Mode
 from voice_assist.profile.profile import profiles_folder
@@ -39,7 +41,7 @@ class EnrolmentNode:
 
     def __init__(self) -> None:
         """Load the base recogniser and announce the service."""
-        self._voice, config = load_voice_config(), load_enrolment_config()
+        self._voice, config = _settings()
         limit_torch(self._voice)
         base = load_recognizer(self._voice.recognizer.model, self._voice.recognizer.device)
         root, self._mode = profiles_folder(self._voice.profile.folder), ""
@@ -63,6 +65,19 @@ class EnrolmentNode:
         topic = replace(self._voice.audio.topic, name=_AUDIO)
         with TopicSource(topic, _raise, partial(self._believed.hear, "voice")) as source:
             yield from source
+
+
+def _settings() -> tuple[VoiceConfig, EnrolmentConfig]:
+    """From the folder and in the language that the private parameters name; else as shipped.
+
+    Raises:
+        ConfigError: They are not as they must be.
+        VoiceProfileError: A phrase has letters that no profile can learn.
+    """
+    folder = str(rospy.get_param("~config", CONFIG_DIR))
+    voice = load_voice_config(folder, language=str(rospy.get_param("~language", ENGLISH)))
+    require_letters(voice.commands.fixed_phrases)
+    return voice, load_enrolment_config(folder)
 
 
 def _raise(trouble: str) -> None:

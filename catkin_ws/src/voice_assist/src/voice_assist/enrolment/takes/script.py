@@ -10,7 +10,9 @@ from dataclasses import dataclass
 from voice_assist.config.enrolment import EnrolmentConfig
 from voice_assist.enrolment.takes.checks import Checked
 from voice_assist.profile.manifest import COMMAND, ROOM, TALK, Take
-from voice_assist.profile.profile import VoiceProfile, now
+from voice_assist.profile.profile import VoiceProfile, VoiceProfileError, now, take_digest
+from voice_assist.recognizer.vocabulary import CHARACTERS
+from voice_assist.text.normalize import normalize
 from voice_assist.types import RATE, Samples
 
 GOOD, UNLIKE = "good", "kept though unlike the base's idea of it, as it was so again"
@@ -109,7 +111,7 @@ class EnrolmentScript:
     def take_over(
         self, takes: Iterable[RecordedTake], on_checked: Callable[[str, Checked], None]
     ) -> int:
-        """Offer recordings that exist; one of a name and length that is on file is left out.
+        """Offer recordings that exist; one whose sound is on file already is left out.
 
         Args:
             takes: In their order.
@@ -129,10 +131,8 @@ class EnrolmentScript:
         return len(self.profile.manifest.takes) - before
 
     def _has(self, recorded: RecordedTake) -> bool:
-        return any(
-            take.source == recorded.name and abs(take.seconds - recorded.seconds) < 1.0 / RATE
-            for take in self.profile.manifest.takes
-        )
+        digest = take_digest(recorded.samples)
+        return any(take.sha256 == digest for take in self.profile.manifest.takes)
 
     def _talk(self) -> EnrolmentStep | None:
         there = [t.seconds for t in self.profile.manifest.takes if t.kind == TALK]
@@ -142,6 +142,17 @@ class EnrolmentScript:
         piece = self._config.talk_piece
         left = -(-missing // piece)
         return EnrolmentStep(TALK, "", piece, len(there) + 1, len(there) + int(left))
+
+
+def require_letters(phrases: Iterable[str]) -> None:
+    """Refuse a phrase that no profile can learn.
+
+    Raises:
+        VoiceProfileError: It has other letters than a to z.
+    """
+    for phrase in phrases:
+        if not set("".join(normalize(phrase))) <= set(CHARACTERS):
+            raise VoiceProfileError(f"{phrase!r}: a profile's phrases have letters a to z only")
 
 
 def _take(
