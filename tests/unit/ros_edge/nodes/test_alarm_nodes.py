@@ -88,24 +88,28 @@ def test_the_log_of_a_missing_answer_claims_nothing_of_the_tones(monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("file", "phrase"),
-    [(None, "hey robot"), ("commands.yaml", "hey robot"), ("commands_de.yaml", "hallo roboter")],
+    ("file", "phrase", "asked"),
+    [
+        (None, "hey robot", "ready"),
+        ("commands.yaml", "hey robot", "ready"),
+        ("commands_de.yaml", "hallo roboter", "unsure, say again"),
+    ],
 )
-def test_the_board_knows_how_the_robot_is_woken_also_without_the_parameter(
-    monkeypatch, file, phrase
+def test_the_board_knows_what_can_be_said_also_without_the_parameter(
+    monkeypatch, file, phrase, asked
 ):
     given = load_yaml(CONFIG_DIR / file) if file else None
     monkeypatch.setattr(rospy, "get_param", lambda name, default: given or default)
     boards = []
 
-    def board(config, wakes):
-        boards.append(wakes)
+    def board(config, wakes, ask):
+        boards.append((wakes, ask(phrase)))
         raise LookupError  # the rest of the node needs ROS
 
     monkeypatch.setattr(alarm_node, "Board", board)
     with pytest.raises(LookupError):
         alarm_node.AlarmNode(SimpleNamespace(board=None), alarm_node._load_commands())
-    assert boards == [{phrase}]
+    assert boards == [({phrase}, asked)]
 
 
 def test_answers_have_a_log_of_their_own(monkeypatch):

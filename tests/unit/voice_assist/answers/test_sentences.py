@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Every code has one sentence or a reason for none; none is, or sounds like, a command."""
 
+from dataclasses import replace
+from functools import partial
+
 import pytest
 
 from rst_control.commands.table import COMMANDS
@@ -8,7 +11,7 @@ from rst_control.types import Reason
 from typed_config import load_config, load_yaml
 from voice_assist.alarms.presenter import event_alarm, latch_alarm, unheard_alarm
 from voice_assist.alarms.types import ControllerEvent, UtteranceReport
-from voice_assist.answers.sentences import TAKEN, UNSPOKEN, WHY, catalogue, taken, why
+from voice_assist.answers.sentences import TAKEN, UNSPOKEN, WHY, asked, catalogue, taken, why
 from voice_assist.answers.word_check import WordCheck
 from voice_assist.config import CONFIG_DIR, CommandsConfig, load_voice_config
 from voice_assist.text.phonetic_distance import can_pronounce
@@ -68,13 +71,48 @@ def test_what_is_refused_is_answered_by_its_code():
     assert unheard_alarm(unsure).answer == "unsure, say again"
 
 
-def test_what_is_taken_is_answered_by_its_command_and_a_question_asks_for_it():
+def test_what_is_taken_is_answered_by_its_command():
     said = {"pull more": "drawing further", "tense 1.5 N": "taking hold", "look left": "accepted"}
     for command, sentence in said.items():
         assert event_alarm(ControllerEvent("accepted", command, ""), False).answer == sentence
-        asked = UtteranceReport("", "nearly sure", "nearly_sure", command, 0.0)
         assert taken(command) == sentence
-        assert unheard_alarm(asked).answer == sentence.replace("accepted", "unsure, say again")
+
+
+def renamed(commands, **phrases):
+    """Commands of which some, by what they call, are said otherwise."""
+    changed = (
+        replace(c, phrase=phrases[c.command.replace(" ", "_")], spellings=())
+        if c.command.replace(" ", "_") in phrases
+        else c
+        for c in commands.commands
+    )
+    return replace(commands, commands=tuple(changed))
+
+
+def question(phrase, commands):
+    report = UtteranceReport("", "nearly sure", "nearly_sure", phrase, 0.0)
+    return unheard_alarm(report, partial(asked, commands=commands)).answer
+
+
+def test_a_question_names_the_motion_that_the_phrase_calls_whatever_its_words():
+    amounts = load_voice_config(commands__amounts=True).commands
+    assert question("pull two millimetres more", amounts) == "drawing further"
+    assert question("tension one point five", amounts) == "taking hold"
+    other = renamed(COMMANDS_YAML, pull_more="draw up", release="open", pull_less="release now")
+    assert question("draw up", other) == "drawing further"
+    assert question("release now", other) == "easing"
+
+
+def test_to_say_it_again_is_asked_for_only_where_that_is_an_answer():
+    camera = tuple(
+        replace(c, command="look left") if c.command == "tense" else c
+        for c in COMMANDS_YAML.commands
+    )
+    commands = replace(COMMANDS_YAML, commands=camera)
+    assert question("tense", commands) == question("of another node", commands) == ""
+    assert question("tense", replace(commands, said_twice=True)) == "unsure, say again"
+    german = load_voice_config(language="de").commands
+    assert question("mehr ziehen", german) == "unsure, say again"
 
 
 def test_after_a_stop_nothing_is_said_and_a_fault_says_why():

@@ -126,6 +126,24 @@ def test_an_alarm_in_another_language_keeps_its_details():
     assert alarm.said_in(texts_of(ENGLISH)) == alarm
 
 
+def test_an_english_alarm_names_renamed_phrases_too():
+    names = {"hey robot": "wake up now", "release": "let it go"}
+    changed = (
+        replace(c, phrase=names[c.command], spellings=()) if c.command in names else c
+        for c in ENGLISH.commands
+    )
+    texts = texts_of(replace(ENGLISH, commands=tuple(changed)))
+    assert texts('Say "hey robot", then "release".') == 'Say "wake up now", then "let it go".'
+    assert texts('Say "yes" if it is what you said.') == 'Say "yes" if it is what you said.'
+
+
+def test_a_command_that_no_phrase_calls_is_named_as_the_robot_knows_it():
+    commands = commands_in("de")
+    some = tuple(c for c in commands.commands if c.command != "release")
+    texts = texts_of(replace(commands, commands=some))
+    assert texts('Say "release" first.') == "Zuerst „release“ sagen."
+
+
 @needs_sounds
 @each_language
 def test_a_third_of_the_answers_at_least_may_be_said_beside_the_microphone(language):

@@ -92,6 +92,7 @@ def test_optional_words_and_a_slot_may_stand_together():
         ({"phrase": "[please] pull on"}, {}, "without [optional] words"),
         ({"phrase": "pull {way} on"}, {"values": []}, "one number or more"),
         ({"phrase": "pull {way} on"}, {"values": [2.0, 2.0]}, "each once"),
+        ({"phrase": "pull {way} on"}, {"values": [1.9999]}, "at most 3 decimals"),
         ({"phrase": "pull {way} on"}, {"values": [0.5, 5.0]}, "'five' is of 'point five'"),
         ({"phrase": "pull {way} on"}, {"values": [2.0, 22.0]}, "'two' is of 'twenty two'"),
         ({"phrase": "pull {way} on"}, {"values": [0.0]}, "a number from 0.001"),

@@ -4,7 +4,8 @@
 import pytest
 
 from tests.unit.voice_assist.support.records import command_entries
-from voice_assist.config import load_voice_config
+from typed_config import load_config, load_yaml
+from voice_assist.config import CONFIG_DIR, CommandsConfig, load_voice_config
 from voice_assist.intent.mapper import Mapper
 from voice_assist.types import Match, NoMatch
 
@@ -101,6 +102,17 @@ def test_a_stop_within_an_amount_stops(text):
     outcome = MAPPER(text)
     assert isinstance(outcome, Match) and outcome.command == "stop"
     assert not MAPPER.cannot_become(f"{text} ") and not MAPPER.cannot_become(text)
+
+
+def test_a_spelling_of_a_halt_within_an_amount_stops_too():
+    data = load_yaml(CONFIG_DIR / "commands.yaml")
+    for command in data["commands"]:
+        if command["is_halt"]:
+            command["spellings"].append("freeze")
+    mapper = Mapper(load_config(CommandsConfig, {**data, "amounts": True}))
+    outcome = mapper("pull two freeze")
+    assert isinstance(outcome, Match) and outcome.command == "stop"
+    assert isinstance(mapper("we should freeze"), NoMatch)
 
 
 @pytest.mark.parametrize("text", ["we should stop", "do not stop", "two men stop", "pull it stop"])

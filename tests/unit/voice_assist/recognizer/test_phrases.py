@@ -96,6 +96,28 @@ def test_two_words_for_a_stop_do_not_stand_in_each_others_way():
     assert hears(halt=LEAST + 1.0, stop=LEAST + 0.9).transcribe(SOUND).text == "halt"
 
 
+def device(phrase):
+    """A phrase that calls nothing of the robot."""
+    wakes = next(c for c in GERMAN.commands if c.command == "hey robot")
+    return replace(wakes, phrase=phrase, spellings=(), command="", modes=("active",))
+
+
+def test_two_phrases_of_devices_are_kept_apart():
+    on, off = "licht einschalten", "licht ausschalten"
+    commands = replace(GERMAN, commands=(*GERMAN.commands, device(on), device(off)))
+    recognizer = PhraseRecognizer(Heard(), commands)
+    norms = dict.fromkeys(commands.phrases, -1.0) | {on: LEAST + 1.0, off: LEAST + 1.0}
+    assert recognizer._margin(norms, on) == -APART
+
+
+def test_where_no_phrase_calls_the_robot_two_words_for_a_stop_are_one():
+    halts = tuple(replace(c, command="") for c in GERMAN.commands if c.is_halt)
+    wakes = replace(device("hallo"), modes=("standby",), mode_after="active")
+    recognizer = PhraseRecognizer(Heard(), replace(GERMAN, commands=(*halts, wakes)))
+    assert recognizer._margin({"halt": 3.0, "stop": 3.0, "hallo": 0.0}, "halt") == 3.0 - LEAST
+    assert recognizer._margin({"halt": 3.0, "stop": 3.0}, "halt") == 3.0 - LEAST  # no others
+
+
 def test_a_score_is_above_0_for_what_is_surely_said_and_below_for_all_else():
     recognizer = hears(mehr_ziehen=LEAST_OF_MOTION + 3.0)
     scores = recognizer.score(SOUND, GERMAN.phrases)

@@ -7,6 +7,7 @@ Nothing here reads a clock or waits. The owner hands in what came, with its time
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from voice_assist.alarms.causes import SILENT
@@ -59,10 +60,16 @@ class Board:
     Args:
         config: How long things are shown, and when silence is a fault.
         wakes: Phrases that wake the robot, and so acknowledge alarms.
+        ask: What is said of a phrase that is asked for.
     """
 
-    def __init__(self, config: BoardConfig, wakes: frozenset[str] = frozenset({HEY_ROBOT})) -> None:
-        self._config, self._wakes = config, wakes
+    def __init__(
+        self,
+        config: BoardConfig,
+        wakes: frozenset[str] = frozenset({HEY_ROBOT}),
+        ask: Callable[[str], str] = lambda _: "",
+    ) -> None:
+        self._config, self._wakes, self._ask = config, wakes, ask
         self._all: dict[str, Standing] = {}
         self._robot = RobotState(0.0, "")
         self._seen: dict[str, float] = {}  # [s] last message of the parts whose silence is a fault
@@ -110,7 +117,7 @@ class Board:
         """Take in what the recogniser decided."""
         if utterance.command in self._wakes:
             self._acknowledge()
-        alarm = unheard_alarm(utterance)
+        alarm = unheard_alarm(utterance, self._ask)
         if alarm is not None:
             self._flash(_REFUSAL, alarm, now)
 

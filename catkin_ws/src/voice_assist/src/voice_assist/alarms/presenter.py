@@ -8,6 +8,7 @@ information.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
@@ -29,7 +30,7 @@ from voice_assist.alarms.types import (
     Priority,
     UtteranceReport,
 )
-from voice_assist.answers.sentences import asked, taken, why
+from voice_assist.answers.sentences import taken, why
 
 HEY_ROBOT: Final = "hey robot"
 TERMINATE: Final = "terminate"
@@ -70,8 +71,15 @@ def event_alarm(event: ControllerEvent, is_tissue_held: bool) -> Alarm | None:
     return None
 
 
-def unheard_alarm(utterance: UtteranceReport) -> Alarm | None:
-    """The words of a command that was not taken; None: other talk, which is nobody's alarm."""
+def unheard_alarm(
+    utterance: UtteranceReport, ask: Callable[[str], str] = lambda _: ""
+) -> Alarm | None:
+    """The words of a command that was not taken; None: other talk, which is nobody's alarm.
+
+    Args:
+        utterance: What the recogniser decided.
+        ask: What is said of a phrase that is asked for.
+    """
     if utterance.command or not utterance.nearest_command or utterance.wer != 0.0:
         return None
     advice = UNHEARD.get(utterance.reason_code)
@@ -80,7 +88,7 @@ def unheard_alarm(utterance: UtteranceReport) -> Alarm | None:
     code, words = utterance.reason_code, f"{utterance.nearest_command}: {utterance.reason}"
     if code != "nearly_sure":
         return _refusal(advice, words, why(code))
-    alarm = _refusal(advice, words, asked(utterance.nearest_command))
+    alarm = _refusal(advice, words, ask(utterance.nearest_command))
     return replace(alarm, earcon=Earcon.QUESTION, priority=Priority.INFORMATION)
 
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from typing import Final
 
+from voice_assist.config.commands import ENGLISH, CommandsConfig
+
 TAKEN: Final = {  # by the command that the controller accepted
     "hey robot": "ready",
     "tense": "taking hold",
@@ -123,9 +125,20 @@ def taken(command: str) -> str:
     return _named(command) or TAKEN_OTHERWISE
 
 
-def asked(phrase: str) -> str:
-    """What is said of a command that is asked for; of one in another language, to say it again."""
-    return _named(phrase) or WHY["unsure"]
+def asked(phrase: str, commands: CommandsConfig) -> str:
+    """What is said of a command that is asked for: what it does, or to say it again.
+
+    Only where a motion is said twice does saying it again answer the question. Elsewhere nothing is
+    said of a command without a sentence of its own.
+
+    Args:
+        phrase: Of the command.
+        commands: All that can be said.
+    """
+    if commands.language != ENGLISH:
+        return WHY["unsure"]
+    called = {command.phrase: command.command for command in commands.commands}
+    return _named(called.get(phrase, "")) or (WHY["unsure"] if commands.said_twice else "")
 
 
 def _named(command: str) -> str:

@@ -10,7 +10,14 @@ from itertools import product
 
 from typed_config import choice, flag, number, text
 from voice_assist.errors import CommandsError
-from voice_assist.text.amounts import MOST, UNITS, spoken_amount, spoken_value, spoken_with_point
+from voice_assist.text.amounts import (
+    DECIMALS,
+    MOST,
+    UNITS,
+    spoken_amount,
+    spoken_value,
+    spoken_with_point,
+)
 
 _PART = re.compile(r"\[([^\[\]{}]*)\]|([^\[\]{}]+)|\{([^\[\]{}]*)\}")
 
@@ -29,11 +36,14 @@ class SlotConfig:
         """Check what no key shows alone.
 
         Raises:
-            CommandsError: There is no value, one is there twice, or a part of one is another.
+            CommandsError: There is no value, one is there twice or has too many decimals, or a
+                part of one is another.
         """
         values = list(self.values)
         if not values or len(set(values)) < len(values):
             raise CommandsError("values", values, "one number or more, each once")
+        if any(value != round(value, DECIMALS) for value in values):
+            raise CommandsError("values", values, f"numbers of at most {DECIMALS} decimals")
         said = [self.number(value) for value in values]
         for words, part in product(said, said):
             begins = not self.needs_unit and words.startswith(f"{part} ")

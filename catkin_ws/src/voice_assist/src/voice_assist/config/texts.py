@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Final
 
@@ -10,6 +11,8 @@ from typed_config import load_yaml, package_folder, require
 from voice_assist.config.commands import ENGLISH, LANGUAGES, CommandsConfig
 
 TEXTS_DIR: Final = package_folder("voice_assist") / "texts"
+_QUOTED: Final = re.compile(r'"([a-z ]+)"')  # how English sentences name a command
+_NAMED: Final = re.compile(r"\{([a-z ]+)\}")  # how those of the catalogues do
 
 
 class Texts:
@@ -29,11 +32,12 @@ class Texts:
         self._phrases = phrases or {}
 
     def __call__(self, english: str) -> str:
-        """A sentence in the language, with the phrases of the commands that it names."""
-        text = self._sentences.get(english, english)
-        for command, phrase in self._phrases.items():
-            text = text.replace(f"{{{command}}}", phrase)
-        return text
+        """A sentence in the language, with the phrases of the commands that it names.
+
+        A command that no phrase calls is named as the robot knows it.
+        """
+        text = self._sentences.get(english) or _QUOTED.sub(r'"{\1}"', english)
+        return _NAMED.sub(lambda named: self._phrases.get(named[1], named[1]), text)
 
 
 def texts_of(commands: CommandsConfig) -> Texts:

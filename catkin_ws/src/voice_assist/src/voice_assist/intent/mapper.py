@@ -154,10 +154,10 @@ class Mapper:
         if self._amount_talk is None:
             return None
         for phrase in self._halts:
-            halt = self._phrases[phrase]
-            begun = words[: -len(halt)]
-            if begun and words[-len(halt) :] == halt and self._amount_talk.is_made_of(begun):
-                return phrase
+            for halt in self._spellings[phrase]:
+                begun = words[: -len(halt)]
+                if begun and words[-len(halt) :] == halt and self._amount_talk.is_made_of(begun):
+                    return phrase
         return None
 
     def _errors(self, words: Words) -> dict[str, float]:

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from math import exp, log
 from typing import Final
 
-from voice_assist.config.commands import CommandsConfig
+from voice_assist.config.commands import CommandConfig, CommandsConfig
 from voice_assist.recognizer.embedded import is_audible
 from voice_assist.recognizer.recognizer import is_same
 from voice_assist.recognizer.whisper import OpenAIRecognizer
@@ -24,6 +24,7 @@ LEAST: Final = 2.0  # [spreads] above the mean that a phrase must be
 LEAST_OF_MOTION: Final = 3.0  # [spreads] the same of a phrase that moves the robot
 APART: Final = 0.7  # [spreads] from the best phrase of another command
 BEHIND: Final = 20.0  # [nat] that a phrase of no motion may be less likely than the free text
+STOP: Final = "stop"  # what every halt calls, whatever its `command` says
 _SURE: Final = 1.4  # log-odds of a phrase that only just counts; one more per spread above
 
 
@@ -39,7 +40,7 @@ class PhraseRecognizer:
         """
         self.name, self.model_hash, self._base = base.name, base.model_hash, base
         self._backgrounds = {c.phrase: c.background for c in commands.commands}
-        self._called = {c.phrase: c.command for c in commands.commands}
+        self._called = {c.phrase: _called(c) for c in commands.commands}
         self._texts = {c.phrase: [text for _, text in c.all_spellings] for c in commands.commands}
         self._halts = {c.phrase for c in commands.commands if c.is_halt}
         self._motions = {c.phrase for c in commands.commands if c.is_motion}
@@ -94,5 +95,11 @@ class PhraseRecognizer:
         """How far a phrase is above what it needs [spreads]."""
         least = LEAST_OF_MOTION if phrase in self._motions else LEAST
         command = self._called[phrase]
-        lead = norms[phrase] - max(n for p, n in norms.items() if self._called[p] != command)
+        others = (n for p, n in norms.items() if self._called[p] != command)
+        lead = norms[phrase] - max(others, default=float("-inf"))
         return min(norms[phrase] - least, lead - APART)
+
+
+def _called(command: CommandConfig) -> str:
+    """What a phrase calls; one that calls nothing of the robot, as of a device, stands alone."""
+    return STOP if command.is_halt else command.command or command.phrase

@@ -22,6 +22,7 @@ UNITS: Final = {
     "N": ("newton", "newtons", "n"),
 }
 MOST: Final = 999  # whole numbers that are read
+DECIMALS: Final = 3  # of a number that is said
 HALF: Final = 0.5
 _UNIT_OF: Final = {word: unit for unit, words in UNITS.items() for word in words}
 _OTHER_UNITS: Final = frozenset(
@@ -107,7 +108,7 @@ def spoken_value(value: float) -> str:
     """A number from 0 to MOST in words: "two", "one point five", "point five"."""
     if value == int(value):
         return spoken_number(int(value))
-    whole, digits = f"{value:.3f}".rstrip("0").split(".")
+    whole, digits = f"{value:.{DECIMALS}f}".rstrip("0").split(".")
     said = " ".join(spoken_number(int(digit)) for digit in digits)
     return f"point {said}" if whole == "0" else f"{spoken_number(int(whole))} point {said}"
 

@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from dataclasses import replace
+from functools import partial
 from queue import Empty, Queue
 
 import rospy
@@ -30,6 +31,7 @@ from voice_assist.alarms.board import Board, Standing, wake_phrases
 from voice_assist.alarms.player import Player
 from voice_assist.alarms.sound_output import ProgramOutput
 from voice_assist.alarms.types import IN_MOTION, PartHealth, Priority
+from voice_assist.answers.sentences import asked
 from voice_assist.answers.speech import SpokenAnswers
 from voice_assist.config import CONFIG_DIR, CommandsConfig
 from voice_assist.config.alarms import FILE, AlarmsConfig
@@ -58,7 +60,8 @@ class AlarmNode:
     """One thread takes in what came and shows what is new; callbacks of rospy only hand over."""
 
     def __init__(self, config: AlarmsConfig, commands: CommandsConfig) -> None:
-        self._config, self._board = config, Board(config.board, wake_phrases(commands))
+        ask = partial(asked, commands=commands)
+        self._config, self._board = config, Board(config.board, wake_phrases(commands), ask)
         self._output, self._texts = ProgramOutput(config.sound), texts_of(commands)
         self._answers = self._make_answers(commands) if config.speech.is_enabled else None
         length = (lambda _: 0.0) if self._answers is None else self._answers.duration
