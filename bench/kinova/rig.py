@@ -183,7 +183,7 @@ class KinovaRig(LockStep):
         is_silent = self.lost in ("feedback", "bridge")  # of the last nobody would hear
         if count % self._feedback == 0 and not is_silent:
             self._report_arm(now)
-        if count % 20 == 0:
+        if count % 20 == 0 and self.guard.hears_bridge(now):
             self.bridge.on_guard(now)
         if count % 5 == 0 and self.lost != "bridge":
             self.bridge.step(now)

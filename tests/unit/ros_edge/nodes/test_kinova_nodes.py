@@ -4,14 +4,21 @@
 import threading
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+from bench.kinova.rig import kinova_motion
+from rst_control.config.torque_tension import load_torque_tension
+from rst_control.kinova.bridge import Bridge
+from rst_control.kinova.config import load_kinova_config
+from rst_control.kinova.guard import StopGuard
 from rst_control.msg import BridgeBeat
-from rst_control.ros.kinova import arm_report, bridge_node, hardware
+from rst_control.ros.kinova import arm_report, bridge_node, guard_node, hardware
 from rst_control.ros.kinova.arm_report import FIRMWARE_TRIES, ArmFacts
 from rst_control.ros.kinova.bridge_node import KinovaBridgeNode
 from rst_control.ros.kinova.guard_node import GuardNode
 from rst_control.ros.kinova.hardware import KinovaHardware
+from rst_control.ros.torque_tension_node import SOONER
 
 
 class Topic:
@@ -109,6 +116,63 @@ def test_a_beat_waits_until_the_guard_has_sent_what_it_decided():
     guarding.join()
     beating.join()
     assert sent == ["speeds", "heard"]
+
+
+def test_the_guard_says_that_it_is_there_only_while_it_hears_the_bridge(monkeypatch):
+    config = load_kinova_config().bridge
+    alive, rounds, guard = [], [], StopGuard(config)
+    node = object.__new__(GuardNode)
+    node._lock, node._guard, node._stop = threading.Lock(), guard, Topic("stop", [])
+    node._known = SimpleNamespace(publish_status=lambda: None)
+    node._alive = SimpleNamespace(publish=lambda _: alive.append(len(rounds)))
+    monkeypatch.setattr(guard_node.rospy, "logerr", lambda *_: None)
+    monkeypatch.setattr(guard_node.rospy, "is_shutdown", lambda: len(rounds) >= 300)
+    monkeypatch.setattr(guard_node.time, "monotonic", lambda: len(rounds) * guard_node.PERIOD)
+
+    def one_round(_):
+        rounds.append(1)
+        if 100 <= len(rounds) < 200:
+            guard.heard(guard_node.time.monotonic())
+
+    monkeypatch.setattr(guard_node.time, "sleep", one_round)
+    node.run()
+    silence = config.guard.silence / guard_node.PERIOD
+    assert alive and alive[0] >= 100 and alive[-1] <= 200 + silence
+    assert len(alive) >= 25
+
+
+def test_a_force_is_told_once_and_the_controller_judges_its_age():
+    told, now, node = [], 100.0, object.__new__(KinovaBridgeNode)
+    bridge = Bridge(load_kinova_config(), None)
+    node._bridge, node._told_force, node._offset = bridge, None, 0.0
+    node._tension = SimpleNamespace(publish=lambda message: told.append(message.wrench.force.z))
+    for value in (1.0, 1.0, 1.5):  # a new one counts as new, whatever it says
+        bridge.on_force(np.array([0.0, 0.0, value]), now)
+        for _ in range(4):
+            node._publish_tension(now)
+            now += 0.025
+    assert told == [1.0, 1.0, 1.5]
+
+
+@pytest.mark.parametrize("lost", [0, 1, 2])
+def test_an_estimate_of_the_arms_own_torques_never_grows_too_old_for_the_controller(lost):
+    """Each state of the arm gives an estimate, but those that come too soon after one another."""
+    watchdogs, told = kinova_motion().controller.watchdogs, []
+    bridge, node = Bridge(load_kinova_config(), None), object.__new__(KinovaBridgeNode)
+    node._bridge, node._told_force, node._offset = bridge, None, 0.0
+    node._tension = SimpleNamespace(publish=lambda _: told.append(now))
+    closest = (1.0 - SOONER) / load_torque_tension().rate
+    late = np.random.default_rng(4).uniform(0.0, 0.004, 2000)  # [s] of each state
+    states = [0.025 * k + late[k] for k in range(2000) if k % 20 >= lost]
+    taken, ages = -np.inf, []
+    for now in states:
+        node._publish_tension(now)
+        ages += [now - told[-1]] if told else []
+        if now - taken >= closest:
+            taken = now
+            bridge.on_force(np.array([0.0, 0.0, 1.0]), now + 0.005)
+    assert max(ages) > 0.02  # some are too soon
+    assert max(ages) <= max(watchdogs.sensors.tension_age, watchdogs.joint_state_age)
 
 
 @pytest.mark.parametrize(("answers", "firmware"), [([None, "2.5.2"], "2.5.2"), ([None] * 99, "")])

@@ -36,6 +36,7 @@ class FakeHardware:
         self.under_way = deque()
         self.wanted = np.zeros(7)
         self.speeds, self.tools, self.stops, self.clears = [], [], [], 0
+        self.lost_stops = 0  # of the next ones, that never reach the arm
         self.tells_arm = self.tells_tool = self.guards = self.tells_report = True
         self.report = ArmReport(ArmState.SERVOING_READY, 1, now)
         self.bridge = None
@@ -54,6 +55,8 @@ class FakeHardware:
 
     def stop(self):
         self.stops.append(self.now)
+        if len(self.stops) <= self.lost_stops:
+            return
         self.under_way.append((self.now + self.delay, np.zeros(7)))
 
     def clear_faults(self):

@@ -36,6 +36,13 @@ def test_it_stays_where_the_guard_stopped_it_and_says_why(rig):
     assert "did not run" in rig.bridge.fault(rig.now)
 
 
+def test_one_that_its_guard_does_not_hear_brakes_and_says_so(rig):
+    rig.guard.heard = lambda *_: None  # a connection that was never opened, or a name not believed
+    rig.run(1.0)
+    assert rig.speed < 1e-3
+    assert "stop guard" in rig.bridge.fault(rig.now)
+
+
 def test_one_that_is_merely_late_goes_on(rig):
     late = 0.4 * rig.bridge._config.guard.silence
     rig.lost = "bridge"

@@ -180,6 +180,30 @@ def test_warnings_of_the_arm_are_shown_and_refuse_nothing(checks, seen):
     assert "warnings: base: maximum ambient temperature" in table(results)
 
 
+BRIDGE = "/kinova_bridge"
+
+
+@pytest.mark.parametrize(
+    ("beats", "is_connected", "publishers", "is_met", "words"),
+    [
+        (0, True, None, None, "master"),
+        (0, False, {}, None, "kinova.launch starts it"),
+        (0, True, {}, True, "runs, waits for the bridge"),
+        (0, True, {"/kinova_bridge/beat": [BRIDGE]}, False, "does not hear /kinova_bridge"),
+        (0, False, {"/kinova_bridge/beat": [BRIDGE]}, None, "kinova.launch starts it"),
+        (50, True, {"/kinova_bridge/beat": [BRIDGE]}, True, "hears the bridge"),
+    ],
+)
+def test_the_stop_guard_is_said_to_be_well_only_as_far_as_is_known(
+    checks, seen, beats, is_connected, publishers, is_met, words
+):
+    guard = {"guard_beats": beats, "is_guard_connected": is_connected, "publishers": publishers}
+    row = checks(replace(seen, **guard))[-1]
+    assert (row.name, row.is_met) == ("stop guard is there", is_met)
+    assert words in row.found
+    assert "ROS_IP" in row.next_step or is_met is not False
+
+
 def test_of_silent_drivers_and_a_silent_master_nothing_is_said_to_be_well(checks):
     results = checks(Observed(SECONDS))
     assert not any(result.is_met for result in results)

@@ -160,6 +160,18 @@ class TestGuard:
         assert len(found) > 20
         assert found[-1] <= 1.0 + config.silence + config.insist + 0.02
 
+    def test_it_hears_the_bridge_only_while_beats_come(self, guard, kinova):
+        config = kinova.bridge.guard
+        assert not guard.hears_bridge(0.0)
+        guard.heard(1.0)
+        assert guard.hears_bridge(1.0 + 0.9 * config.silence)
+        end = 1.0 + config.silence + config.insist
+        for t in np.arange(1.0 + 1.1 * config.silence, end + 1.0, 0.01):
+            assert not guard.hears_bridge(float(t))
+            guard.is_stop_due(float(t))
+        guard.heard(11.0)
+        assert guard.hears_bridge(11.01)
+
     def test_a_bridge_that_comes_back_is_guarded_again(self, guard):
         guard.heard(1.0)
         self.stops(guard, 1.0, 10.0)

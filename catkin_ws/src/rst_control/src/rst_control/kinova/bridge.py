@@ -3,8 +3,8 @@
 
 Set-points are taken and played by the same servo as the simulated robot's, with the same refusals
 and faults. Who is in charge of the arm is one of three: nobody (it rests, nothing is sent), the
-course (a velocity every 25 ms), or a stop that was sent and is repeated until the arm is measured
-at rest. A stop by the controller brakes along its path by velocities. Set-points that end, `hold`,
+course (a velocity every 25 ms), or a stop that is repeated until joints that can know of it show
+rest. A stop by the controller brakes along its path by velocities. Set-points that end, `hold`,
 old feedback, a guard that is silent and a tool that lost its homing slow the arm down along the
 curve it was on, then stop it: the driver's own stop would take the shaft off the trocar. After a
 time in which this did not run, the arm is braked as its guard brakes it. A joint that does not
@@ -105,7 +105,7 @@ class Bridge:
         self._plan: BrakePlan | None = None  # braking that goes before the driver's stop
         self._opening: float | None = None  # [rad] last commanded
         self._latest = 0.0
-        self._stepped = np.inf  # [s] of the last step
+        self._stepped = self._first_stop = np.inf  # [s] of the last step; of the stop under way
         self.measured: Measurement | None = None  # for the controller; new with each arm feedback
 
     # What comes from the hardware.
@@ -271,8 +271,7 @@ class Bridge:
             servo.fail(self._follower.objection, now)
             self._stop(now)
         else:
-            wrong = "" if servo.fault else self._ready.objection(now)
-            if wrong:
+            if not servo.fault and (wrong := self._ready.objection(now)):
                 servo.fail(wrong, now)
             self._lead_on(servo, now)
 
@@ -307,7 +306,9 @@ class Bridge:
             self._arm_due = next_due(self._arm_due, now, self._config.arm.period)
             goal, speed = servo.course(now)
             if servo.state is ServoState.HOLDING:  # braked to a stand by itself
+                self._hardware.send_speeds(np.zeros(ARM_COUNT))  # it stands, even if stops are lost
                 self._stop(now)
+                self._stop_due = now + self._config.arm.period  # so that the zeros are read first
                 return
             last = self._goals[1] if self._goals is not None else goal
             self._goals = last, goal, now
@@ -327,8 +328,7 @@ class Bridge:
         place = (last + share * (goal - last))[ARM_COUNT:]
         self._opening = float(place[1:].sum())
         self._hardware.send_tool(self.tool.command(place))
-        wrong = self.tool.following(place, now)
-        if wrong:
+        if wrong := self.tool.following(place, now):
             self.fail(wrong, now)
 
     def _stop(self, now: float) -> None:
@@ -338,13 +338,13 @@ class Bridge:
     def _repeat_stop(self, servo: Servo, now: float) -> None:
         plan = self._plan
         if plan is not None and not plan.is_over:
-            speeds = plan.step(now)
-            if speeds is not None:
+            if (speeds := plan.step(now)) is not None:
                 self._hardware.send_speeds(speeds)
             return
         self._plan = None
         if now >= self._stop_due:
             self._stop_due = now + self._config.arm.period
             self._hardware.stop()
-        if servo.state is ServoState.HOLDING and self._ready.is_at_rest(now):
-            self._lead, self._goals = Lead.NOBODY, None
+            self._first_stop = min(self._first_stop, now)
+        if servo.state is ServoState.HOLDING and self._ready.shows_stop(self._first_stop, now):
+            self._lead, self._goals, self._first_stop = Lead.NOBODY, None, np.inf

@@ -50,6 +50,10 @@ class StopGuard:
         """Whether the bridge was there, and is silent now."""
         return self._heard is not None and now - self._heard > self._config.silence
 
+    def hears_bridge(self, now: float) -> bool:
+        """Whether beats of the bridge come; only then does the bridge have a guard."""
+        return self._heard is not None and not self.is_silent(now)
+
     def is_stop_due(self, now: float) -> bool:
         """Whether the arm has to be stopped now; repeated for a while, then left alone.
 

@@ -48,6 +48,7 @@ class Observed:
     bad_tool: str = ""  # the same of the tool's
     tool_state: int | None = None
     guard_beats: int = 0
+    is_guard_connected: bool = False  # it runs; it beats only while it hears the bridge
     forces: Sequence[Vector] = ()  # [N] of the force sensor, each of shape (3,)
     publishers: Mapping[str, Sequence[str]] | None = None  # nodes by topic, as the master says
     subscribers: Mapping[str, Sequence[str]] | None = None
@@ -278,8 +279,17 @@ class LiveChecks:
     def _guard(self, seen: Observed) -> CheckResult:
         name = "stop guard is there"
         if seen.guard_beats:
-            return CheckResult(name, True, f"{seen.guard_beats / seen.seconds:.0f} beats a second")
-        return CheckResult(name, None, "silent; kinova.launch starts it")
+            rate = seen.guard_beats / seen.seconds
+            return CheckResult(name, True, f"it hears the bridge: {rate:.0f} beats a second")
+        if not seen.is_guard_connected:
+            return CheckResult(name, None, "not there; kinova.launch starts it")
+        if seen.publishers is None:
+            return CheckResult(name, None, "silent; the master does not answer")
+        if bridges := seen.publishers.get("/kinova_bridge/beat"):
+            found = f"it runs, and does not hear {_words(bridges)}"
+            step = "ROS_IP of the bridge's host, guard.bridge; rosnode cleanup after one that died"
+            return CheckResult(name, False, found, step)
+        return CheckResult(name, True, "it runs, waits for the bridge")
 
     def _nodes(self, by_topic: Mapping[str, Sequence[str]] | None, topic: str) -> list[str] | None:
         if by_topic is None:

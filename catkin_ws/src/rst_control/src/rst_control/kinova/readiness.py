@@ -15,7 +15,10 @@ from rst_control.kinova.tool import Tool
 from rst_control.tension.gravity_check import RestTorques
 
 STARTING: Final = "the arm's driver never reported its joints: is it running?"
-NO_GUARD: Final = "the stop guard was never heard: start the node kinova_guard"
+NO_GUARD: Final = (
+    "the stop guard was never heard: start the node kinova_guard; "
+    "one that runs does not hear this bridge (ROS_IP, guard.bridge)"
+)
 HELD_TO_HOME: Final = 'the arm is held to home the tool: when it is homed, say "hey robot"'
 
 
@@ -55,6 +58,12 @@ class Readiness:
         if arm is None or now - arm.stamp > config.feedback_age:
             return False
         return float(np.abs(arm.velocity).max()) <= config.rest_speed
+
+    def shows_stop(self, sent: float, now: float) -> bool:
+        """Whether the arm is measured at rest by joints that can know of a stop sent before [s]."""
+        arm, config = self.arm, self._config.arm
+        knows = sent + config.lag + 1.0 / config.feedback_rate
+        return arm is not None and arm.stamp >= knows and self.is_at_rest(now)
 
     def is_led_at_rest(self, last: LastCourse | None, now: float) -> bool:
         """Whether the arm's course stands still, and the arm with it, at a time [s]."""

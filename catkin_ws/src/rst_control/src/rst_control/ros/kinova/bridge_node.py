@@ -83,6 +83,7 @@ class KinovaBridgeNode:
         self._offset, self._reader = wall_offset(), JointStateReader(JOINTS)
         self._jobs: deque[Callable[[], None]] = deque(maxlen=MAX_JOBS)
         self._published: Measurement | None = None
+        self._told_force: Vector | None = None
         self._grip: Repeated[bool] = Repeated(REPEAT_PERIOD)
         self._last_fault: Repeated[str] = Repeated(REPEAT_PERIOD, lambda a, b: bool(a) is bool(b))
         self._last_rest: Repeated[Vector] = Repeated(REPEAT_PERIOD, np.array_equal)
@@ -275,9 +276,11 @@ class KinovaBridgeNode:
         return message
 
     def _publish_tension(self, now: float) -> None:
+        """Each force once: of one told again, the controller could not judge the age."""
         force = self._bridge.force(now)
-        if force is None:
+        if force is None or force is self._told_force:
             return
+        self._told_force = force
         message = WrenchStamped()
         message.header.stamp, message.header.frame_id = self._stamp(now), BASE
         f = message.wrench.force

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The stop guard as a process of its own: brakes and stops the arm when the bridge is silent."""
+"""The stop guard as a process of its own: brakes and stops the arm when the bridge is silent.
+
+It tells the bridge that it is there only while it hears the bridge. A guard that hears nothing
+would let the bridge lead the arm unguarded.
+"""
 
 from __future__ import annotations
 
@@ -59,12 +63,13 @@ class GuardNode:
         rounds, was_silent = 0, False
         while not rospy.is_shutdown():
             self._guard_once()
-            is_silent = self._guard.is_silent(time.monotonic())
+            now = time.monotonic()
+            is_silent = self._guard.is_silent(now)
             if is_silent and not was_silent:
                 rospy.logerr("the bridge is silent: the arm is braked along its course and stopped")
             was_silent = is_silent
             rounds += 1
-            if rounds % ALIVE_EVERY == 0:
+            if rounds % ALIVE_EVERY == 0 and self._guard.hears_bridge(now):
                 self._alive.publish(Empty())
             self._known.publish_status()
             time.sleep(PERIOD)

@@ -72,14 +72,21 @@ class _Observer:
             ("robot/tension_sensor", WrenchStamped, self._on_force),
             ("kinova_guard/alive", Empty, self._on_guard),
         )
-        for topic, kind, callback in topics:
+        *_, self._guard = [
             rospy.Subscriber(topic, kind, callback, tcp_nodelay=True)
+            for topic, kind, callback in topics
+        ]
 
     def take(self) -> _Heard:
         """What came since this was last called."""
         with self._lock:
             heard, self._heard = self._heard, _Heard()
         return heard
+
+    @property
+    def is_guard_connected(self) -> bool:
+        """The stop guard runs, whether it beats or not."""
+        return self._guard.get_num_connections() > 0
 
     def _on_arm(self, message: JointState) -> None:
         arrived = time.monotonic()
@@ -125,6 +132,7 @@ def _observed(observer: _Observer, seconds: float, arm: str) -> Observed:
     observer.take()
     time.sleep(seconds)
     heard = {**vars(observer.take()), **_facts(arm)}
+    heard["is_guard_connected"] = observer.is_guard_connected
     try:
         publishers, subscribers, _ = rosgraph.Master(rospy.get_name()).getSystemState()
     except (OSError, rosgraph.MasterException):
