@@ -70,6 +70,21 @@ def test_info_of_a_cut_file_says_what_is_lost(story, tmp_path, capsys):
     assert code == 0 and "not closed" in out and "cut off inside a record" in out
 
 
+def test_info_of_a_recovered_copy_says_what_its_original_had_lost(story, tmp_path, capsys):
+    content, again = story[0].read_bytes(), tmp_path / "again.mcap"
+    (tmp_path / "s.mcap").write_bytes(content[: len(content) // 2])
+    run(capsys, "recover", tmp_path / "s.mcap")
+    run(capsys, "recover", tmp_path / "s_recovered.mcap", "--out", again)
+    for copy in (tmp_path / "s_recovered.mcap", again):
+        _, out, _ = run(capsys, "info", copy)
+        assert "copied from s.mcap, which was not closed" in out and "complete" not in out
+
+
+def test_a_copy_of_a_sound_recording_is_complete(story, tmp_path, capsys):
+    run(capsys, "recover", story[0], "--out", tmp_path / "s.mcap")
+    assert "complete, checksum good" in run(capsys, "info", tmp_path / "s.mcap")[1]
+
+
 @pytest.mark.parametrize("command", ["report", "replay"])
 def test_a_missing_file_is_named_before_anything_slow_is_loaded(tmp_path, command):
     """Plots and recognisers take seconds to load."""

@@ -4,8 +4,9 @@ from mcap.reader import make_reader
 
 from session_log.errors import OutputFailed
 from session_log.mcap_file.encoding import WrongEncoding
-from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.reader import FileCondition, SessionReader
 from session_log.mcap_file.recover import recover
+from session_log.mcap_file.summary import RecordingSummary
 from session_log.types import Message, MessageSource
 from tests.unit.session_log.support.foreign import EARLIER, NOW, write_foreign
 from tests.unit.session_log.support.unchunked import UnchunkedWriter
@@ -92,3 +93,21 @@ def test_a_damaged_encoding_in_a_file_of_ours_is_no_other_encoding(tmp_path):
     assert content.count(b"/t" + encoding) == 1
     path.write_bytes(content.replace(b"/t" + encoding, b"/t" + encoding[:-1] + b"9"))
     assert recover(SessionReader(path), tmp_path / "new.mcap").condition.damage
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({}, []),
+        ({"was_closed": "False"}, ["copied from a.mcap, which was not closed"]),
+        ({"unreadable_bytes": "9"}, ["copied from a.mcap, which lost 9 bytes"]),
+        (
+            {"was_closed": "False", "unreadable_bytes": "9"},
+            ["copied from a.mcap, which was not closed and lost 9 bytes"],
+        ),
+    ],
+)
+def test_a_copy_is_judged_by_its_account(changes, words):
+    account = {"from": "a.mcap", "was_closed": "True", "unreadable_bytes": "0", "damage": ""}
+    condition = FileCondition(metadata=[("recovered", {**account, **changes})])
+    assert RecordingSummary(condition).cuts == words

@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.recover import recover
 from session_log.report import one_session
 from session_log.report.many_sessions import write_folder_report
 from session_log.report.notes import Note, add_note
@@ -56,3 +57,12 @@ def test_a_page_that_is_still_true_is_not_made_again(session, report_config, mon
         assert report_many(session, report_config) == text
     session.with_name("report.html").write_text("cut off", "utf-8")
     assert report_many(session, report_config) == text
+
+
+def test_the_page_of_a_copy_warns_of_what_its_original_had_lost(session, report_config):
+    cut = session.with_name("cut.mcap")
+    cut.write_bytes(session.read_bytes()[:-5000])
+    session.unlink()
+    recover(SessionReader(cut), session)
+    write_report(SessionReader(session), session.parent, report_config)
+    assert "Copied from cut.mcap, which was not closed" in page_of(session)

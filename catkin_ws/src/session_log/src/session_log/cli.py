@@ -141,6 +141,7 @@ def _losses(result: RecordingSummary) -> list[str]:
         lines.append("not closed: the recorder was killed, or is still running")
     if condition.checksum == "wrong":
         lines.append("checksum wrong: the file was changed after it was written")
+    lines += result.cuts
     for damage in condition.damage:
         lines.append(f"lost {damage.length} bytes at {damage.offset}: {damage.what}")
     if result.missing:

@@ -201,6 +201,8 @@ def test_a_pool_keeps_numbers_not_sessions(summary, report_config):
         ({"is_closed": False}, False),
         ({"metadata": [("losses", {"/t from /p": "3 dropped, 0 missed"})]}, False),
         ({"metadata": [("losses", {"/t from /p": "0 dropped, 2 missed"})]}, True),
+        ({"metadata": [("recovered", {"was_closed": "False"})]}, False),
+        ({"metadata": [("recovered", {"was_closed": "True"})]}, True),
     ],
 )
 def test_a_session_is_complete_where_nothing_was_lost_or_changed(

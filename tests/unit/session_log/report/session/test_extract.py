@@ -180,3 +180,26 @@ def test_messages_that_are_none_of_ros_1_are_counted_as_unfit(tmp_path, report_c
     found = extract(reader, report_config)
     assert found.undecodable == dict.fromkeys(topics[:3], 1)
     assert found.recording.messages == 4
+
+
+def silent_controller(stretches, end):
+    """Messages of a controller that says only in these stretches that it moves, and of others."""
+    story = Story()
+    for begin, stop in stretches:
+        for time in np.arange(begin, stop, 0.02):
+            fields = {"state": "moving", "phase": "pull"}
+            story.say(time, "/rst_control/state", "rst_control/ControllerState", **fields)
+    story.say(0.0, "/voice_assist/mode", "voice_assist/Mode", mode="active")
+    story.say(end, "/voice_assist/device", "voice_assist/DeviceCall", phrase="light on")
+    return sorted(story.messages, key=lambda message: message.log_time)
+
+
+@pytest.mark.parametrize("length", [1.0, 30.0])  # in one batch, and in several
+def test_a_silent_controller_is_in_no_state(tmp_path, report_config, length):
+    stretches = [(0.0, length), (length + 5.0, 2.0 * length + 5.0)]
+    messages = silent_controller(stretches, 100.0)
+    data = extract(recording_of(tmp_path / "s.mcap", messages), report_config)
+    for spans in (data.states, data.phases):
+        found = [time for span in spans for time in (span.start, span.end)]
+        assert found == pytest.approx([time for ends in stretches for time in ends], abs=0.03)
+    assert data.modes[-1].end == pytest.approx(100.0)  # is sent on change only

@@ -104,3 +104,15 @@ def test_a_latch_belongs_to_the_newer_of_two_stops_in_the_same_words():
     kinds = ((3.0, "at_rest"), (9.0, "at_rest"), (9.0, "halted"))
     found = stops([RecordedEvent(time, kind, "tense", OVER) for time, kind in kinds], [])
     assert [(stop.time, stop.is_latched) for stop in found] == [(3.0, False), (9.0, True)]
+
+
+@pytest.mark.parametrize("latch", [2.0, 2.002, 2.01])
+def test_a_stop_at_rest_by_topic_and_by_service_is_one_row(latch):
+    """It latches between the two, or is stamped before both."""
+    events = [
+        RecordedEvent(latch, "halted", "", TOPIC),
+        RecordedEvent(2.001, "stop_received", "stop", TOPIC),
+        RecordedEvent(2.01, "stop_received", "stop", '"stop" from /display'),
+    ]
+    (stop,) = stops(events, [])
+    assert (stop.cause, stop.is_latched) == (TOPIC, True) and math.isnan(stop.at_rest)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from session_log.errors import OutputFailed, RecordingFailed
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.summary import MessageCounter, RecordingSummary
+from session_log.mcap_file.summary import ACCOUNT, MessageCounter, RecordingSummary
 from session_log.mcap_file.writer import SessionWriter
 
 COMMIT = 2000  # messages in one: they wait in memory
@@ -46,7 +46,7 @@ def _copy(reader: SessionReader, writer: SessionWriter) -> RecordingSummary:
     result = counter.summary(reader.condition)
     for name, values in reader.condition.metadata:
         writer.add_metadata(name, values)
-    writer.add_metadata("recovered", _account(reader, result))
+    writer.add_metadata(ACCOUNT, _account(reader, result))
     return result
 
 

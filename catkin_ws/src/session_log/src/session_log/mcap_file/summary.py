@@ -11,6 +11,7 @@ from session_log.mcap_file.reader import FileCondition, SessionReader
 from session_log.mcap_file.writer import LIBRARY
 from session_log.types import Message, MessageSource, TopicCount
 
+ACCOUNT = "recovered"  # metadata of a copy: what it was made from
 CLOCK_STEP = 100_000_000  # [ns] less is no clock that was set
 
 
@@ -54,6 +55,12 @@ class RecordingSummary:
     def dropped(self) -> dict[str, str]:
         """Those that reached the recorder and are not in the file. Others never came to it."""
         return {name: loss for name, loss in self.losses.items() if not loss.startswith("0 ")}
+
+    @property
+    def cuts(self) -> list[str]:
+        """What was lost before this file was copied from another one, in words; empty: nothing."""
+        accounts = (values for name, values in self.condition.metadata if name == ACCOUNT)
+        return [words for account in accounts if (words := _cut(account))]
 
     @property
     def start(self) -> int:
@@ -129,3 +136,14 @@ def read_summary(reader: SessionReader) -> RecordingSummary:
     for _ in counter.counting(reader.messages()):
         pass
     return counter.summary(reader.condition)
+
+
+def _cut(account: dict[str, str]) -> str:
+    """What a copy says of losses in the file it was made from; empty: that file was sound."""
+    troubles = []
+    if account.get("was_closed") != "True":
+        troubles.append("was not closed")
+    unreadable = account.get("unreadable_bytes", "0")
+    if unreadable != "0" or account.get("damage"):
+        troubles.append(f"lost {unreadable} bytes")
+    return f"copied from {account.get('from')}, which {' and '.join(troubles)}" if troubles else ""

@@ -119,6 +119,8 @@ def _warnings(material: SessionMaterial) -> Iterator[str]:
     if condition.damage:
         lost = sum(damage.length for damage in condition.damage)
         yield f"{lost} bytes in {len(condition.damage)} places cannot be read."
+    for cut in recording.cuts:
+        yield f"{cut[0].upper()}{cut[1:]}."
     if recording.missing:
         yield f"{recording.missing} messages were received but are not in the file."
     for step in recording.clock_steps:

@@ -36,6 +36,7 @@ from session_log.report.session.utterance_sounds import UtteranceSounds
 from session_log.types import URDF_TOPIC, Message, MessageSource
 
 FULL_SCALE = 32767.0
+SILENT = 0.5  # [s] without a state, of which 50 come in a second: nobody knows what held meanwhile
 QUIETEST = -90.0  # [dBFS] digital silence is drawn here
 
 
@@ -58,17 +59,34 @@ class _SpanBuilder:
         self._spans = spans
         self._word: str | None = None
         self._since = 0.0
+        self._reported = math.inf  # [s] when a word that comes again and again came last
 
     def add_all(self, times: Track, words: NDArray[Any]) -> None:
-        """Add words in order of time, shape (n,) each; the same again changes nothing."""
-        changes = np.flatnonzero(words[1:] != words[:-1]) + 1
-        for k in (0, *changes.tolist()):
+        """Add words in order of time, shape (n,) each; the same again changes nothing.
+
+        They come again and again, so silence ends a span.
+        """
+        before = np.concatenate([[self._reported], times[:-1]])
+        is_silent = times - before > SILENT
+        is_change = np.concatenate([[True], words[1:] != words[:-1]])
+        for k in np.flatnonzero(is_change | is_silent).tolist():
+            if is_silent[k]:
+                self._fall_silent(float(before[k]))
             self.add(float(times[k]), words[k])
+        self._reported = float(times[-1])
 
     def add(self, time: float, word: str) -> None:
         if word != self._word:
             self.end(time)
             self._word, self._since = word, time
+
+    def finish(self, time: float) -> None:
+        """Close what is open at the end of the recording, or when a repeated word fell silent."""
+        self.end(self._reported if time - self._reported > SILENT else time)
+
+    def _fall_silent(self, time: float) -> None:
+        self.end(time)
+        self._word = None
 
     def end(self, time: float) -> None:
         if self._word is not None and time > self._since:
@@ -126,7 +144,7 @@ class _Extractor:
             topic.flush()
         end = self._relative(self._end)
         for words in (self._modes, self._states, self._phases):
-            words.end(end)
+            words.finish(end)
         if self._sounds is not None:
             self._data.sounds = self._sounds.finish()
         self._data.health = sorted(self._health.values(), key=lambda h: h.name)

@@ -52,7 +52,7 @@ def stops(events: Sequence[RecordedEvent], states: Sequence[Span]) -> list[Recor
 def _belongs(last: RecordedStop, event: RecordedEvent) -> bool:
     """Whether an entry goes on with the stop before it: each is reported once as it ends."""
     if event.kind == "stop_received":  # later somebody stopped once more
-        return event.time - last.time < _SLACK and not last.is_latched
+        return event.time - last.time < _SLACK  # at rest the latch is reported between the two
     if event.kind == "at_rest" and math.isfinite(last.at_rest):  # a robot comes to rest only once
         return False
     return event.message in (last.cause, *last.also) and not last.is_latched

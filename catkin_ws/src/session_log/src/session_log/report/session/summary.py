@@ -94,7 +94,7 @@ class SessionSummary:
     name: str
     started: float  # [s] since 1970; zero if nothing was recorded
     duration: float  # [s]
-    is_complete: bool  # closed, undamaged, unchanged, nothing missing or dropped
+    is_complete: bool  # closed, undamaged, unchanged, nothing missing, dropped or cut off
     commit: str
     phrases: tuple[str, ...]
     knows_intent: bool  # whether it was recorded what was meant to be said
@@ -171,7 +171,7 @@ def from_json(values: dict[str, Any]) -> SessionSummary:
 def _is_complete(recording: RecordingSummary) -> bool:
     condition = recording.condition
     is_sound = condition.is_closed and not condition.damage and condition.checksum != "wrong"
-    return is_sound and not recording.missing and not recording.dropped
+    return is_sound and not (recording.missing or recording.dropped or recording.cuts)
 
 
 def _given(row: CommandRow) -> GivenCommand:
