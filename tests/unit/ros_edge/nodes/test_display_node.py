@@ -11,6 +11,7 @@ import pytest
 import rospy
 
 from rst_control.srv import CommandResponse
+from tests.unit.voice_assist.display.support.theatre import STOPPED, Clock
 from typed_config import load_file, load_yaml
 from voice_assist.config import CONFIG_DIR
 from voice_assist.config.display import FILE, DisplayConfig
@@ -18,7 +19,9 @@ from voice_assist.display.theatre import Limits, Theatre
 from voice_assist.ros.display import acts as acts_module
 from voice_assist.ros.display import node as node_module
 from voice_assist.ros.display.acts import RosActs
+from voice_assist.ros.display.alarm_watch import AlarmWatch
 from voice_assist.ros.display.node import DisplayNode, NotServedError
+from voice_assist.ros.service_calls import Reply
 
 CONFIG = load_file(DisplayConfig, FILE)
 GIVEN = {
@@ -34,8 +37,29 @@ def node():
     node = object.__new__(DisplayNode)
     node._theatre = Theatre(0.5, time.monotonic, time.time)
     node.known = SimpleNamespace(publish_status=lambda: None)
-    node._alarm = SimpleNamespace(impl=SimpleNamespace(connections=[]))
+    node.clock = Clock()
+    node._alarms = AlarmWatch(node._theatre, lambda: True, node.clock)
     return node
+
+
+class From:
+    """A message of a node, with what it says."""
+
+    def __init__(self, node, **fields):
+        self._connection_header = {"callerid": node}
+        vars(self).update(fields)
+
+
+def test_an_alarm_counts_while_the_node_that_said_it_publishes_diagnostics(monkeypatch, node):
+    monkeypatch.setattr(node_module.messages, "alarm_part", lambda message: STOPPED)
+    monkeypatch.setattr(node, "_look_at_settings", lambda: None)
+    node._on_alarm(From("/alarms"))
+    for name, shown in (("/alarms", STOPPED), ("/recorder", None)):
+        for _ in range(5):
+            node.clock.now += 1.0
+            node._on_diagnostics(From(name, status=[]))
+            node.look_again()
+        assert node._theatre.snapshot().alarm == shown
 
 
 @pytest.mark.parametrize(
@@ -219,7 +243,29 @@ def test_a_service_that_is_not_there_is_not_asked(monkeypatch, acts):
 def test_a_question_stays_on_the_page_until_an_answer_is_taken(monkeypatch, acts, is_taken):
     ended = []
     monkeypatch.setattr(acts._theatre, "end_question", lambda: ended.append(1))
-    reply = SimpleNamespace(success=is_taken, message="so")
+    reply = Reply(SimpleNamespace(success=is_taken, message="so"))
     monkeypatch.setattr(acts_module, "_call", lambda *_, **__: reply)
     outcome = acts.answer("pull more", True)
     assert (outcome.is_done, bool(ended)) == (is_taken, is_taken)
+
+
+@pytest.mark.parametrize(
+    ("act", "words", "unsent"),
+    [
+        (lambda acts: acts.stop(), "the controller does not answer", None),
+        (lambda acts: acts.answer("pull", True), "the voice node does not answer", None),
+        (lambda acts: acts.set_grasp_point(0, 0, 0), "the controller does not answer", None),
+        (
+            lambda acts: acts.choose_microphone("usb"),
+            "the voice node does not answer",
+            "no voice node listens to a microphone",
+        ),
+    ],
+)
+def test_what_went_out_without_an_answer_may_still_be_taken(monkeypatch, acts, act, words, unsent):
+    acts._endoscope = SimpleNamespace(point=lambda *_: (0.0, 0.0, 0.0))
+    for is_sent, said in ((True, f"{words}; it may still be taken"), (False, unsent or words)):
+        reply = Reply(None, "", is_sent)
+        monkeypatch.setattr(acts_module, "call_service", lambda *_, reply=reply, **__: reply)
+        outcome = act(acts)
+        assert (outcome.is_done, outcome.words) == (False, said)

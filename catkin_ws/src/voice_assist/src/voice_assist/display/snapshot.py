@@ -112,7 +112,7 @@ class Snapshot:
     robot: RobotPart | None = None
     tissue: TissuePart | None = None
     hearing: HearingPart | None = None
-    alarm: AlarmPart | None = None  # None: no alarm node is connected
+    alarm: AlarmPart | None = None  # None: no alarm node is there and works
     recording: RecordingPart | None = None
     picture: PicturePart | None = None
 

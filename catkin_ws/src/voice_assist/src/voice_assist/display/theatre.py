@@ -135,7 +135,7 @@ class Theatre:
         self._microphone, self._trouble = microphone, trouble
 
     def see_alarm(self, alarm: AlarmPart | None) -> None:
-        """What stands first; None: no alarm node is there."""
+        """What stands first; None: no alarm node is there and works."""
         self._alarm = alarm
 
     def see_recording(self, problem: str) -> None:

@@ -83,6 +83,7 @@ function drawRobot(since, limit) {
   const robot = news.robot;
   if (!mark("robot", robot, since, limit, t`controller`)) return;
   byId("robot").dataset.state = robot.state;
+  forgetStop(robot.state);
   const name = word(NAMES[robot.state] || robot.state);
   say("state", name);
   shape("state-shape", SHAPES[robot.state] || "clock");
@@ -202,6 +203,8 @@ function drawAlarm() {
   if (!alarm) {
     say("alarm-cause", t`No alarms are watched`);
     say("alarm-next", t`Start the alarm node, or watch the log`);
+    say("alarm-others", "");
+    byId("alarm").classList.remove("is-acknowledged");
     byId("alarm").dataset.kind = "fault";
     byId("alarm").dataset.priority = "2";
   } else if (isShown) {
@@ -277,12 +280,30 @@ async function act(name, fields, words, within = ACT_WITHIN) {
   }
 }
 
-let pressed = -Infinity;
+let pressed = -Infinity; // [ms]
+let presses = 0; // of STOP
+let isStopOpen = false; // the last press has no answer yet
+let hasRested = false; // the robot was seen halted after that answer
 function stop() {
   if (performance.now() - pressed < 300) return; // a press is also a click
   pressed = performance.now();
+  const press = ++presses;
+  isStopOpen = true;
   stopWords(true, t`Stop is sent`);
-  act("stop", null, (isDone, text) => stopWords(isDone, isDone ? text : t`NOT STOPPED: ${text}. Press the emergency stop.`), STOP_WITHIN);
+  act("stop", null, (isDone, text) => {
+    if (press !== presses) return; // a later press has its own answer
+    isStopOpen = hasRested = false;
+    stopWords(isDone, isDone ? text : t`NOT STOPPED: ${text}. Press the emergency stop.`);
+  }, STOP_WITHIN);
+}
+
+const stopRest = () => stopWords(true, t`Brakes and holds. Not an emergency stop.`);
+
+// What came of a stop is no longer true of a robot that halted and was woken since.
+function forgetStop(state) {
+  if (isStopOpen || !presses) return;
+  if (state === "halted" || state === "faulted") hasRested = true;
+  else if (hasRested && (state === "active" || state === "moving")) { hasRested = false; stopRest(); }
 }
 
 function stopWords(isDone, text) {
@@ -367,7 +388,7 @@ theme(localStorage.getItem("theme") || "");
 byId("theme").value = localStorage.getItem("theme") || "";
 token = sessionStorage.getItem("token") || "";
 
-translate().then(() => say("stop-words", t`Brakes and holds. Not an emergency stop.`));
+translate().then(() => { if (!presses) stopRest(); });
 connect();
 setInterval(() => {
   if (performance.now() - heardSince > SILENT) connect();

@@ -17,13 +17,14 @@ from voice_assist.ros.display.endoscope import Endoscope
 from voice_assist.ros.microphone_service import SERVICE as MICROPHONE
 from voice_assist.ros.question_service import SERVICE as ANSWER
 from voice_assist.ros.robot.command_client import SERVICE
-from voice_assist.ros.service_calls import call_service
+from voice_assist.ros.service_calls import Reply, call_service
 from voice_assist.srv import AnswerQuestion, SetMicrophone
 
 GRASP_POINT = "rst_control/set_grasp_point"
 STOP_TOPIC = "rst_control/stop"
 WITHIN = 2.5  # [s] for a service to answer; the page waits longer
 CHOICE_WITHIN = 8.5  # [s] the same of a microphone, for which the voice node may have to search
+MAY_COME = "; it may still be taken"  # a request that was sent and not answered
 
 
 class RosActs:
@@ -45,25 +46,28 @@ class RosActs:
     def stop(self) -> Outcome:
         """Ask the controller by its service, too, and say what it answers."""
         reply = _call(SERVICE, Command, "stop")
-        if reply is None:
-            return Outcome(False, "the controller does not answer")
-        return Outcome(bool(reply.accepted), reply.message)
+        if (response := reply.response) is None:
+            return _unanswered(reply, "the controller does not answer")
+        return Outcome(bool(response.accepted), response.message)
 
     def choose_microphone(self, name: str) -> Outcome:
         """Hear by another microphone."""
         reply = _call(MICROPHONE, SetMicrophone, name, within=CHOICE_WITHIN)
-        if reply is None:
-            return Outcome(False, "no voice node listens to a microphone")
-        return Outcome(bool(reply.success), reply.message or f"the microphone is {name!r} now")
+        if (response := reply.response) is None:
+            is_there = reply.may_take_effect
+            missing = "no voice node listens to a microphone"
+            return _unanswered(reply, "the voice node does not answer" if is_there else missing)
+        words = response.message or f"the microphone is {name!r} now"
+        return Outcome(bool(response.success), words)
 
     def answer(self, command: str, is_yes: bool) -> Outcome:
         """Answer what the voice node asked."""
         reply = _call(ANSWER, AnswerQuestion, command, is_yes)
-        if reply is None:
-            return Outcome(False, "the voice node does not answer")
-        if reply.success:
+        if (response := reply.response) is None:
+            return _unanswered(reply, "the voice node does not answer")
+        if response.success:
             self._theatre.end_question()
-        return Outcome(bool(reply.success), reply.message)
+        return Outcome(bool(response.success), response.message)
 
     def set_grasp_point(self, x: float, y: float, stamp: float) -> Outcome:
         """Take the tissue where a click meets it, if the controller finds that it can."""
@@ -72,13 +76,13 @@ class RosActs:
         except NotOnTissueError as error:
             return Outcome(False, str(error))
         reply = _call(GRASP_POINT, SetGraspPoint, Point(*point), Vector3(), "")
-        if reply is None:
-            return Outcome(False, "the controller does not answer")
-        return Outcome(bool(reply.accepted), reply.message)
+        if (response := reply.response) is None:
+            return _unanswered(reply, "the controller does not answer")
+        return Outcome(bool(response.accepted), response.message)
 
 
-def _call(name: str, kind: Any, *words: Any, within: float | None = None) -> Any:
-    """The answer of a service; None: there is none in time, and nothing is sent later.
+def _call(name: str, kind: Any, *words: Any, within: float | None = None) -> Reply:
+    """What came of a call of a service; what is not sent in time is not sent later.
 
     Args:
         name: Of the service.
@@ -87,4 +91,9 @@ def _call(name: str, kind: Any, *words: Any, within: float | None = None) -> Any
         within: Longest wait for the answer [s]; None: `WITHIN`, as for the service to be there.
     """
     limit = WITHIN if within is None else within
-    return call_service(name, kind, *words, within=limit, appears=WITHIN).response
+    return call_service(name, kind, *words, within=limit, appears=WITHIN)
+
+
+def _unanswered(reply: Reply, words: str) -> Outcome:
+    """That nothing came back; a request that went out may be taken all the same."""
+    return Outcome(False, words + (MAY_COME if reply.may_take_effect else ""))

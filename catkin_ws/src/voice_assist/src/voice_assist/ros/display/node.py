@@ -29,6 +29,7 @@ from voice_assist.ros.believed import Believed
 from voice_assist.ros.connected import is_connected
 from voice_assist.ros.display import messages
 from voice_assist.ros.display.acts import RosActs
+from voice_assist.ros.display.alarm_watch import AlarmWatch
 from voice_assist.ros.display.endoscope import Endoscope
 from voice_assist.ros.display.pictures import Pictures
 
@@ -53,6 +54,7 @@ class DisplayNode:
         self._theatre = theatre
         self.known = Believed()
         follow = self.known.hear
+        self._alarms = AlarmWatch(theatre, lambda: is_connected(self._alarm), time.monotonic)
         self._alarm = follow("system", "voice_assist/alarm", Alarm, self._on_alarm)
         self._subscribers = [
             follow(
@@ -72,8 +74,7 @@ class DisplayNode:
     def look_again(self) -> None:
         """Take in what no topic says, and name who is not believed."""
         self.known.publish_status()
-        if not is_connected(self._alarm):
-            self._theatre.see_alarm(None)
+        self._alarms.look_again()
         with suppress(*FAILURES, rospy.ROSException):  # while the master is gone the page goes on
             self._look_at_settings()
 
@@ -114,7 +115,7 @@ class DisplayNode:
         self._theatre.see_mode(message.mode)
 
     def _on_alarm(self, message: Alarm) -> None:
-        self._theatre.see_alarm(messages.alarm_part(message))
+        self._alarms.see_alarm(messages.alarm_part(message), messages.publisher_of(message))
 
     def _on_recording(self, message: String) -> None:
         self._theatre.see_recording(message.data)
@@ -123,6 +124,7 @@ class DisplayNode:
         self._theatre.see_file(message.data)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
+        self._alarms.see_status(messages.publisher_of(message))
         for status in message.status:
             self._on_health(status)
 

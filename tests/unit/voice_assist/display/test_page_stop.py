@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the page says below STOP and in its alarm band, in a headless browser."""
+
+import asyncio
+import threading
+from dataclasses import replace
+
+import pytest
+
+from support.browser import MISSING, Browser, find_browser
+from tests.support.page import click, text
+from tests.unit.voice_assist.display.support.theatre import (
+    HALTED,
+    PULLING,
+    STOPPED,
+    TISSUE,
+    RecordedActs,
+    make_server,
+    make_theatre,
+)
+from voice_assist.display.acts import Outcome
+
+pytestmark = pytest.mark.skipif(not find_browser(), reason=MISSING)
+REST = "Brakes and holds. Not an emergency stop."
+WORDS = text("stop-words")
+LATE_TEXTS = """const send = window.fetch;
+window.fetch = (url, ...options) => url !== "/texts.json" ? send(url, ...options)
+  : new Promise((answer) => { window.release = () => { answer(send(url, ...options)); }; });"""
+COUNTED = """const send = window.fetch;
+window.answers = 0;
+window.fetch = async (url, ...options) => {
+  const answer = await send(url, ...options);
+  if (url === "/act/stop") window.answers += 1;
+  return answer;
+};"""
+
+
+class Answers(RecordedActs):
+    """Each stop is answered by the next of these; the first one waits for `is_free`."""
+
+    def __init__(self, *outcomes, waits=False):
+        super().__init__()
+        self.outcomes, self.is_free = list(outcomes), threading.Event()
+        if not waits:
+            self.is_free.set()
+
+    def stop(self):
+        outcome, is_first = self.outcomes.pop(0), not self.asked
+        self.asked.append("stop")
+        if is_first:
+            self.is_free.wait(3.0)
+        return outcome
+
+    def send_stop(self):
+        pass
+
+
+def on_page(use, acts=None, script=""):
+    """Open the page, with a script that runs before its own ones, and do something there."""
+    theatre = make_theatre()
+
+    async def run():
+        async with make_server(theatre, acts) as server, Browser() as browser:
+            await browser.send("Page.addScriptToEvaluateOnNewDocument", source=script)
+            await browser.open(server.address)
+            await browser.until(f"{text('state')} === 'Moving'")
+            await use(browser, theatre)
+
+    asyncio.run(run())
+
+
+async def show(browser, theatre, robot, state):
+    theatre.see_robot(robot, TISSUE)
+    await browser.until(f"{text('state')} === {state!r}")
+
+
+@pytest.mark.parametrize(
+    ("outcome", "words"),
+    [
+        (Outcome(True, "stops"), "stops"),
+        (Outcome(False, "no"), "NOT STOPPED: no. Press the emergency stop."),
+    ],
+)
+def test_what_came_of_a_stop_stands_until_the_robot_was_halted_and_woken(outcome, words):
+    async def use(browser, theatre):
+        await browser.until(f"{WORDS} === {REST!r}")
+        await browser.evaluate(click("stop"))
+        await browser.until(f"{WORDS} === {words!r}")
+        await show(browser, theatre, replace(PULLING, state="active"), "Ready")
+        await show(browser, theatre, HALTED, "Halted")
+        assert await browser.evaluate(WORDS) == words
+        await show(browser, theatre, PULLING, "Moving")
+        assert await browser.evaluate(WORDS) == REST
+        is_bad = "document.getElementById('stop-words').classList.contains('is-bad')"
+        assert not await browser.evaluate(is_bad)
+
+    on_page(use, Answers(outcome))
+
+
+def test_texts_that_come_late_do_not_overwrite_what_came_of_a_stop():
+    async def use(browser, theatre):
+        await browser.evaluate(click("stop"))
+        await browser.until(f"{WORDS}.startsWith('NOT STOPPED: no')")
+        await browser.evaluate("window.before = texts, window.release()")
+        await browser.until("texts !== window.before")
+        assert (await browser.evaluate(WORDS)).startswith("NOT STOPPED: no")
+
+    on_page(use, Answers(Outcome(False, "no")), LATE_TEXTS)
+
+
+def test_the_answer_of_an_older_press_is_dropped():
+    acts = Answers(Outcome(False, "late"), Outcome(True, "stops"), waits=True)
+
+    async def use(browser, theatre):
+        await browser.evaluate(click("stop"))
+        while not acts.asked:
+            await asyncio.sleep(0.01)
+        await asyncio.sleep(0.4)  # a press sooner is the same one
+        await browser.evaluate(click("stop"))
+        await browser.until(f"{WORDS} === 'stops'")
+        acts.is_free.set()
+        await browser.until("window.answers === 2")
+        await asyncio.sleep(0.1)
+        assert await browser.evaluate(WORDS) == "stops"
+
+    on_page(use, acts, COUNTED)
+
+
+def test_nothing_of_the_last_alarm_stands_where_no_alarms_are_watched():
+    async def use(browser, theatre):
+        theatre.see_alarm(replace(STOPPED, is_acknowledged=True, others=("tension: old",)))
+        await browser.until(f"{text('alarm-others')}.includes('tension: old')")
+        theatre.see_alarm(None)
+        await browser.until(f"{text('alarm-cause')} === 'No alarms are watched'")
+        assert await browser.evaluate(text("alarm-others")) == ""
+        is_acknowledged = "document.getElementById('alarm').classList.contains('is-acknowledged')"
+        assert not await browser.evaluate(is_acknowledged)
+
+    on_page(use)
