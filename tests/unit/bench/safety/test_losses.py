@@ -266,6 +266,7 @@ def test_a_short_run_is_written_aside_from_the_thousand_losses_on_file(tmp_path,
     copy = place / "safety" / "losses.json"
     copy.write_bytes(on_file.read_bytes())
     monkeypatch.setattr(resumable, "PLACE", place)
+    monkeypatch.setattr("bench.__main__.PLACE", place)  # no page is written
     monkeypatch.setattr(resumable, "ASIDE", aside)
     monkeypatch.setattr(support.figures, "RESULTS", RESULTS)
     monkeypatch.setattr(support.figures, "ROOT", tmp_path)
