@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.catalogue import AREAS, parts
-from bench.common.part import HUMAN, MEASURED, SYNTHETIC, Area, Part
+from bench.common.part import DECISIONS, HUMAN, MEASURED, SYNTHETIC, Area, Part
 from bench.readme_rows import ROWS, ReadmeRow
 from support import figures
 from support.figures import RESULTS, ROOT, Figure, interval
@@ -19,7 +19,6 @@ from support.product_code import identity
 
 PAGE, FRONT = ROOT / "docs" / "measured.md", ROOT / "README.md"
 BEGIN, END = "<!-- figures: by `make figures` -->", "<!-- end of figures -->"
-DECISIONS = RESULTS / "voice" / "decisions.json"  # see bench/voice/hearing/fingerprint.py
 NOTHING = "-"
 FEW = "met, few trials"  # the bound with 95 % does not reach the target
 SHARES = ("of all", "of commands", "of clips", "of sounds", "of words", "right")  # as older results

@@ -8,9 +8,10 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from support.figures import Figure
+from support.figures import RESULTS, Figure
 
 SYNTHETIC, HUMAN = "synthetic", "human"
+DECISIONS = RESULTS / "voice" / "decisions.json"  # see bench/voice/hearing/fingerprint.py
 MEASURED = "measured"  # figure that says on how much a result rests
 
 

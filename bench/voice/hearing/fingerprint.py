@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.common import resumable
+from bench.common.part import DECISIONS
 from bench.common.resumable import code, digest
 from bench.voice.hearing.replay_stream import SceneListener, SoundScene
 from support import product_code
-from support.figures import RESULTS
 from support.product_code import HEARING
 from support.theatre_sound import LEVEL, speak, theatre_noise
 from voice_assist.assembly import make_recognizer, make_spotter, make_spotters
@@ -37,7 +37,6 @@ PHRASES = (
     *("stopped", "tents", "release the clamp", "hey robert", "stop it", "pull it", "more or less"),
     *("please pull more gently", "the past tense of the verb", "we should stop by the shop"),
 )
-DECISIONS = RESULTS / "voice" / "decisions.json"
 VOICES = ("en-us", "en-gb+f3")
 SNRS = (40.0, 6.0)  # [dB]
 QUIET = 0.8  # [s] before and after the words

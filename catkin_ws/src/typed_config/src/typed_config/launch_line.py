@@ -2,8 +2,8 @@
 """What roslaunch takes without a word: arguments that do nothing, and a master open to others.
 
 roslaunch keeps an argument that no launch file declares, and uses it nowhere. An argument of a part
-that is not started does nothing, either. Without `ROS_IP` and
-`ROS_HOSTNAME` the master, roslaunch itself and the nodes of others listen on all addresses.
+that is not started does nothing, either. Without `ROS_IP` and `ROS_HOSTNAME` the master, roslaunch
+itself and the nodes of others listen on all addresses.
 """
 
 from __future__ import annotations
