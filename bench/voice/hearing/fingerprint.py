@@ -103,12 +103,15 @@ def identity_in_motion(model: str) -> str:
     return digest(identity(model), moving, fingerprint(decided))
 
 
-def note(model: str = "embedded") -> dict[str, str]:
-    """Note what the present code decides at rest and in motion; gives what was noted."""
+def present(model: str = "embedded") -> dict[str, str]:
+    """Keys of what the present code decides at rest and in motion."""
     at_rest, in_motion = identity(model), identity_in_motion(model)
-    noted = {"code": product_code.identity(HEARING), "rest": at_rest, "motion": in_motion}
-    DECISIONS.write_text(json.dumps(noted, indent=1) + "\n", encoding="utf-8")
-    return noted
+    return {"code": product_code.identity(HEARING), "rest": at_rest, "motion": in_motion}
+
+
+def note(decided: dict[str, str]) -> None:
+    """Note them for the page of figures."""
+    DECISIONS.write_text(json.dumps(decided, indent=1) + "\n", encoding="utf-8")
 
 
 def at_rest(config: VoiceConfig) -> tuple[object, ...]:
@@ -149,4 +152,6 @@ def _in_noise(speech: NDArray[np.float32], snr: float, seed: int) -> Samples:
 
 
 if __name__ == "__main__":
-    print(note())
+    now = present()
+    note(now)
+    print(now)

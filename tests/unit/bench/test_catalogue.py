@@ -17,6 +17,7 @@ def ran_by(words, monkeypatch):
     ran = []
     monkeypatch.setattr(main_module, "run", lambda file, *_: ran.append(file) or [])
     monkeypatch.setattr(main_module, "PLACE", None)  # no page is written
+    monkeypatch.setattr(main_module, "_decisions", lambda part: "")  # nothing is listened to
     assert main_module.main(words) == 0
     return ran
 
