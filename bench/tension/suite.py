@@ -148,8 +148,8 @@ class TensionBench:
         self, trial: TensionTrial, is_tared: bool, has_lean: bool, seal: float = 0.0
     ) -> tuple[float, float, str]:
         """Error [N] and estimated standard deviation [N] of the estimate, and why it is invalid."""
-        config = replace(self._config, pull_direction=tuple(trial.pull.tolist()))
-        estimator = TorqueTension(config, self._text, self._motion.scene.gravity)
+        scene = replace(self._motion.scene, pull_direction=tuple(trial.pull.tolist()))
+        estimator = TorqueTension(self._config, self._text, scene)
         now = 0.0
         for stage in (0, 1) if is_tared else (1,):
             motors = self._motors(trial, stage, has_lean, seal)
@@ -174,7 +174,7 @@ class TensionBench:
 
     def _pull(self) -> Array:
         """The configured way of the pull, turned by up to TURN about a way across it."""
-        along = unit_vector(self._config.pull_direction)
+        along = unit_vector(self._motion.scene.pull_direction)
         across = np.cross(along, self._rng.normal(size=3))
         across /= np.linalg.norm(across)
         angle = self._rng.uniform(0.0, TURN)

@@ -80,8 +80,8 @@ def test_nothing_is_known_before_the_arm_has_rested_and_a_payload_set_right_is_t
 
 def estimated(setting, way, turned, pull) -> tuple[float, str]:
     """Tension and why it is invalid, tared at home, of an arm turned from there by angles [rad]."""
-    estimator, true = TorqueTension(CONFIG, TEXT, setting), dynamics(way)
-    across = unit_vector(CONFIG.pull_direction)
+    estimator, true = TorqueTension(CONFIG, TEXT, replace(SCENE, gravity=setting)), dynamics(way)
+    across = unit_vector(SCENE.pull_direction)
     for k in range(120):
         is_held = k >= 60
         q = HOME + (turned if is_held else 0.0)

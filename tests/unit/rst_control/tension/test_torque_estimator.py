@@ -20,13 +20,14 @@ from rst_control.tension.torque_estimator import (
 )
 from rst_control.types import Measurement, unit_vector
 from tests.support.jacobians import rcm_jacobian_at
+from typed_config import ConfigError
 
 Array = NDArray[np.float64]
 TEXT = URDF_FILE.read_text(encoding="utf-8")
 SCENE = load_motion_config().scene
 HOME, TROCAR = np.array(SCENE.home), np.array(SCENE.trocar)
 CONFIG = load_torque_tension()
-PULL = unit_vector(CONFIG.pull_direction)
+PULL = unit_vector(SCENE.pull_direction)
 PERIOD = 0.025  # [s] of the arm's feedback
 OPEN, CLOSED = 0.6, 0.0
 
@@ -35,7 +36,7 @@ class Arm:
     """An arm whose torques are exact but for a bias, with a pull and a trocar's load on it."""
 
     def __init__(self, config: TorqueTensionConfig = CONFIG) -> None:
-        self.estimator, self.dynamics = TorqueTension(config, TEXT), InverseDynamics(TEXT)
+        self.estimator, self.dynamics = TorqueTension(config, TEXT, SCENE), InverseDynamics(TEXT)
         self.now, self.bias, self.speed = 0.0, np.zeros(7), np.zeros(10)
         self.sign, self.pushed = 1.0, np.zeros(7)
         self.q = HOME
@@ -147,6 +148,45 @@ def test_in_fast_motion_it_is_not_trusted(arm: Arm) -> None:
 def test_an_elbow_that_is_pushed_is_not_taken_for_tension(arm: Arm) -> None:
     arm.pushed = np.array([0.0, 0.0, 6.0, 0.0, 0.0, 0.0, 0.0])
     assert "misfit" in arm.feel((1.0, 0.0, 0.0)).tension_invalid_reason
+
+
+def moved(q: Array, way: Array) -> Array:
+    """Configuration with the tip moved by a way [m]."""
+    J = Configuration(InverseDynamics(TEXT).model, q).J_tip[:3]
+    return q + np.linalg.pinv(J) @ way
+
+
+def off(angle: float) -> Array:
+    """Unit vector so far [deg] off the way of the pull."""
+    across = unit_vector(np.cross(PULL, [0.0, 1.0, 0.0]))
+    return np.cos(np.radians(angle)) * PULL + np.sin(np.radians(angle)) * across
+
+
+@pytest.mark.parametrize(
+    ("way", "refused"),
+    [
+        (6e-3 * off(15.0), ""),
+        (6e-3 * off(25.0), "moved 25 deg off scene.pull_direction since the grasp, allowed 20"),
+        (6e-3 * off(60.0), "moved 60 deg off"),
+        (6e-3 * off(120.0), "moved 120 deg off"),
+        (2e-3 * off(90.0), ""),  # too short to say which way
+    ],
+)
+def test_tissue_that_is_pulled_another_way_is_not_trusted_until_its_release(
+    arm: Arm, way: Array, refused: str
+) -> None:
+    arm.feel((0.1, 0.0, 0.0))
+    arm.q = moved(HOME, way)
+    words = arm.feel((0.5, 0.0, 0.0)).tension_invalid_reason
+    assert refused in words
+    assert bool(refused) == bool(words)
+    arm.rest()
+    assert arm.feel((0.5, 0.0, 0.0)).tension_invalid_reason == ""
+
+
+def test_a_scene_that_leaves_the_way_of_the_pull_open_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r"scene\.pull_direction.*three numbers"):
+        TorqueTension(CONFIG, TEXT, replace(SCENE, pull_direction=()))
 
 
 def test_noisy_torques_are_not_trusted() -> None:

@@ -64,9 +64,9 @@ class TorqueTensionConfig:
         "least_readings": "min_readings",
         "most_sigma": "max_sigma",
         "most_misfit": "max_misfit",
+        "pull_direction": "",  # that of the scene counts
     }
 
-    pull_direction: tuple[float, ...] = number(-1.0, 1.0, "")
     effort_sign: int = integer(-1, 1)
     tool_mass: float = number(0.0, 3.0, "kg")
     rate: float = number(5.0, 500.0, "Hz")
@@ -82,9 +82,6 @@ class TorqueTensionConfig:
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""
-        way = list(self.pull_direction)
-        allowed = "three numbers that are not all 0"
-        require(len(way) == 3 and any(way), "pull_direction", way, allowed)
         require(self.effort_sign != 0, "effort_sign", self.effort_sign, "1 or -1")
 
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Sequence
 
 import numpy as np
 import rospy
@@ -41,13 +40,15 @@ class TorqueTensionNode:
     Args:
         config: Of the estimator.
         description: URDF text of the robot.
-        gravity: `scene.gravity`.
+        scene: Of the controller beside it.
+
+    Raises:
+        RobotModelError: The URDF is not this robot's, or says another way of gravity.
+        ConfigError: The scene leaves the way of the pull open.
     """
 
-    def __init__(
-        self, config: TorqueTensionConfig, description: str, gravity: Sequence[float]
-    ) -> None:
-        self._estimator = TorqueTension(config, description, gravity)
+    def __init__(self, config: TorqueTensionConfig, description: str, scene: SceneConfig) -> None:
+        self._estimator = TorqueTension(config, description, scene)
         self._readings: deque[tuple[JointState, float]] = deque(maxlen=KEPT)  # and when taken [s]
         self._news = threading.Event()
         self._min_period = (1.0 - SOONER) / config.rate
@@ -147,7 +148,7 @@ def main() -> None:
         settings = launch_settings()
         scene = load_config(SceneConfig, settings.pop("scene", {}), "torque_tension: scene")
         config = load_config(TorqueTensionConfig, settings, "torque_tension parameters")
-        node = TorqueTensionNode(config, robot_description(), scene.gravity)
+        node = TorqueTensionNode(config, robot_description(), scene)
     warn_of_listeners()
     pace = 1.0 / config.rate
     while not rospy.is_shutdown():

@@ -12,13 +12,13 @@ Linear Combination of Observations, Proc. Royal Society of Edinburgh 55, 1936.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from math import exp, inf, sqrt
+from math import acos, cos, degrees, exp, inf, radians, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 
+from rst_control.config import SceneConfig
 from rst_control.config.torque_tension import TorqueTensionConfig
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration, planning_joints
@@ -27,9 +27,12 @@ from rst_control.tension.gravity_check import GravityCheck
 from rst_control.tension.torque_bias import Tare, TareTaker
 from rst_control.tension.torque_covariance import TorqueErrors
 from rst_control.types import ARM_COUNT, Measurement, Vector, frozen_array, unit_vector
+from typed_config import require
 
 Array = NDArray[np.float64]
 INVERTED = 0.3  # share of the excess that is left where efforts have the other sign
+MOVED = 3e-3  # [m] of the tip since the grasp, from where the way of the pull shows
+OFF = radians(20.0)  # of that way from the one along which tension is estimated; hides 6 % of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,21 +54,23 @@ class TorqueTension:
     Args:
         config: Filter, errors, and what is not trusted.
         description: URDF text of the robot.
-        gravity: `scene.gravity`; empty: as the URDF has it.
+        scene: Its way of the pull and its gravity count.
 
     Raises:
         RobotModelError: The URDF is not this robot's, or says another way of gravity.
+        ConfigError: The scene leaves the way of the pull open.
     """
 
-    def __init__(
-        self, config: TorqueTensionConfig, description: str, gravity: Sequence[float] = ()
-    ) -> None:
+    def __init__(self, config: TorqueTensionConfig, description: str, scene: SceneConfig) -> None:
+        allowed = "three numbers: joint torques show tension along a known way only"
+        require(bool(scene.pull_direction), "scene.pull_direction", [], allowed)
         self._config = config
-        self._errors = TorqueErrors(config, description, gravity)
+        self._errors = TorqueErrors(config, description, scene.gravity)
         self._dynamics = self._errors.dynamics
         self._check = GravityCheck(self._errors, config.max_misfit)
         self._misfit = ""  # why the bias of the tare is not one; empty: it may be
-        self._pull = frozen_array(unit_vector(config.pull_direction), 3)
+        self._pull = frozen_array(unit_vector(scene.pull_direction), 3)
+        self._grasped_at: Vector | None = None  # tip; None: nothing is held
         self._tares = TareTaker(config.tare, config.filter_time)
         self._last: Measurement | None = None
         self._excess, self._asked = np.zeros(ARM_COUNT), np.zeros(ARM_COUNT)  # filtered [N m]
@@ -88,6 +93,10 @@ class TorqueTension:
             tare = self._tares.tare
             if tare is not None and tare is not before:
                 self._misfit = self._check.objection(tare.q, tare.bias, tare.noise_share)
+        if not measured.gripped:
+            self._grasped_at = None
+        elif self._grasped_at is None:
+            self._grasped_at = Configuration(self._dynamics.model, q).tip
         A = load_matrix(self._dynamics.model, q, trocar, self._pull)
         return self._solve(A, measured, q)
 
@@ -142,6 +151,8 @@ class TorqueTension:
                 f"joint_{joint + 1} at {speed[joint]:.2f} rad/s, too fast to estimate tension from "
                 f"torques, allowed {config.fastest:.2f}"
             )
+        if words := self._other_way(q):
+            return words
         if sigma > config.max_sigma:
             return f"tension known to {sigma:.2f} N only, allowed {config.max_sigma:.2f} N"
         if not misfit <= config.max_misfit:
@@ -150,6 +161,19 @@ class TorqueTension:
                 f"{config.max_misfit:.0f}; something else pushes the arm"
             )
         return ""
+
+    def _other_way(self, q: Vector) -> str:
+        """Why the tissue is pulled another way than estimated along; empty: it is not."""
+        if self._grasped_at is None:
+            return ""
+        moved = Configuration(self._dynamics.model, q).tip - self._grasped_at
+        way, along = float(np.linalg.norm(moved)), float(moved @ self._pull)
+        if way < MOVED or along >= cos(OFF) * way:
+            return ""
+        return (
+            f"the tip moved {degrees(acos(along / way)):.0f} deg off scene.pull_direction since "
+            f"the grasp, allowed {degrees(OFF):.0f}: tension is known along it only"
+        )
 
     def _looks_inverted(self, q: Vector) -> bool:
         """Whether what was measured is gravity's torque with the other sign."""
