@@ -34,6 +34,7 @@ let heardSince = performance.now(); // [ms] of the last try or event
 
 function connect() {
   if (source) source.close();
+  if (document.hidden) return; // a browser has six connections to a server, and a stop needs one
   heardSince = performance.now();
   source = new EventSource("/events");
   source.onmessage = (event) => {
@@ -388,6 +389,7 @@ theme(localStorage.getItem("theme") || "");
 byId("theme").value = localStorage.getItem("theme") || "";
 token = sessionStorage.getItem("token") || "";
 
+document.addEventListener("visibilitychange", connect);
 translate().then(() => { if (!presses) stopRest(); });
 connect();
 setInterval(() => {
