@@ -29,10 +29,15 @@ class WornTool:
     def __init__(self, start=(0.0, 0.0), width=PLAY.width):
         self.now, self.motors, self.load, self.gripped = 10.0, np.zeros(10), np.zeros(2), False
         self.play = ToolPlay(replace(PLAY, width=width), np.array(start), PERIOD)
-        self.speed, self.held = np.zeros(10), 0
+        self.speed, self.held, self.fault, self.connected = np.zeros(10), 0, "", True
 
     def measured_js(self):
-        return Measurement(self.motors, self.speed, np.zeros(10), self.now, gripped=self.gripped)
+        return Measurement(
+            *(self.motors, self.speed, np.zeros(10), self.now),
+            gripped=self.gripped,
+            fault=self.fault,
+            connected=self.connected,
+        )
 
     def servo_jp(self, setpoint):
         self.motors, self.speed = setpoint.position, setpoint.velocity
@@ -150,6 +155,21 @@ def test_what_is_held_is_not_moved_and_the_load_is_forgotten_afterwards():
     np.testing.assert_allclose(led.ahead, ahead, atol=1e-9)
     led.tool.gripped, led.tool.load = False, np.zeros(2)
     assert led.go((0.02, -0.02)).errors[-1] < CLOSE
+
+
+@pytest.mark.parametrize(
+    ("fault", "is_connected"), [("tool not homed", True), ("", False), ("", True)]
+)
+def test_where_a_tool_lies_in_its_play_is_not_known_after_it_was_homed(fault, is_connected):
+    """A homing leaves each joint anywhere in its play; without a fault there was none."""
+    led = Led().go((0.3, 0.3))
+    led.tool.fault, led.tool.connected = fault, is_connected
+    led.robot.measured_js()
+    led.tool.fault, led.tool.connected = "", True
+    led.tool.play.position[:] = led.q + 2.0 * HALF  # at the other end
+    led.go((0.02, 0.02))
+    was_homed = bool(fault) or not is_connected
+    assert (led.errors[-1] < CLOSE) == was_homed
 
 
 def test_half_the_width_makes_up_for_half():

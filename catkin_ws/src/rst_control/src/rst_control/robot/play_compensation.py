@@ -51,6 +51,8 @@ class PlayCompensation(ChangedRobot):
     def _taken_in(self, measured: Measurement) -> Measurement:
         """The joints as if there was no play."""
         self._is_loaded = measured.gripped
+        if measured.fault or not measured.connected:
+            self._seen_ends[:] = False  # it may be homed, which moves the joints in their play
         return self.noted.undone(measured)
 
     def servo_jp(self, setpoint: Setpoint) -> None:
