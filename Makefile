@@ -56,9 +56,9 @@ demo: setup ## a spoken session moves the simulated robot; GUI=1 opens its windo
 film: .setup/dev ## the same session as a GIF and as a video file with its sound and captions: film.gif and film.mp4 in OUT (sessions/film)
 	@$(RUN) out="$(if $(OUT),$$OUT,sessions/film)"; rm -f "$$out/session.mcap"; python -m demo --film --out "$$out" && python -m demo.film "$$out"
 
-preflight: setup ## checks of live Kinova and OpenRST drivers that move nothing; TROCAR="x y z" [SCENE=file LIMITS=file BRIDGE=overrides.yaml ROBOT=my_gen3]
+preflight: setup ## checks of live Kinova and OpenRST drivers that move nothing; TROCAR="x y z" [SCENE=file LIMITS=file URDF=file BRIDGE=overrides.yaml ROBOT=my_gen3]
 	@ip="$${ROS_IP:-127.0.0.1}"; $(RUN) export ROS_IP="$$ip"; python -m rst_control.ros.kinova.live_checks_cli $(if $(TROCAR),--trocar $(TROCAR)) \
-	    $(if $(SCENE),--scene "$$SCENE") $(if $(LIMITS),--limits "$$LIMITS") $(if $(BRIDGE),--bridge-overrides "$$BRIDGE") $(if $(ROBOT),--arm '$(ROBOT)')
+	    $(if $(SCENE),--scene "$$SCENE") $(if $(LIMITS),--limits "$$LIMITS") $(if $(URDF),--urdf "$$URDF") $(if $(BRIDGE),--bridge-overrides "$$BRIDGE") $(if $(ROBOT),--arm '$(ROBOT)')
 
 check: .setup/dev ## before a change is proposed: lint, and the tests that need no node and little time
 	@$(MAKE) --no-print-directory --keep-going --jobs 2 lint fast

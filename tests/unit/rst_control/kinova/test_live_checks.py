@@ -11,6 +11,7 @@ from rst_control.config import URDF_FILE
 from rst_control.kinova.arm_state import ArmState, Banks
 from rst_control.kinova.feedback import FeedbackReader
 from rst_control.kinova.live_checks import LiveChecks, Observed, table
+from tests.support.other_tool import tool_beside
 
 SECONDS = 1.0
 ARM, TOOL = "/my_gen3/driver", "/openrst_control"
@@ -79,6 +80,11 @@ def test_drivers_that_are_well_pass_all_checks(checks, seen):
     results = checks(seen)
     assert failed(results) == {}
     assert [result.is_met for result in results] == [True] * len(results)
+
+
+def test_the_shaft_is_that_of_the_tool_that_is_described(kinova, motion_config, seen):
+    checks = LiveChecks(kinova, np.array(motion_config.scene.trocar), tool_beside(0.01), 1e-3)
+    assert failed(checks(seen))["shaft is in the trocar"].startswith("10.")
 
 
 def of_arm(seen, **rows):

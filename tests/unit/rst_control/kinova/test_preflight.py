@@ -9,10 +9,15 @@ import yaml
 from rst_control.config import CONFIG_FOLDER
 from rst_control.kinova.preflight import NotReady, check, main
 from support.documents.release import version
+from tests.support.other_tool import tool_beside
 from typed_config import ConfigError, load_yaml
 
 LIMITS, SCENE = CONFIG_FOLDER / "kinova_limits.yaml", CONFIG_FOLDER / "scene.yaml"
 TROCAR = (0.406, -0.024, 0.415)
+ARGUMENTS = (
+    *("--simulate", "false", "--trocar", "0.406", "-0.024", "0.415"),
+    *("--limits", str(LIMITS), "--scene", str(SCENE), "--speed-scale", "0.1"),
+)
 
 
 def test_what_is_complete_may_start():
@@ -76,16 +81,25 @@ def test_a_limits_file_that_is_none_is_refused(tmp_path):
         check(True, False, TROCAR, SCENE, SCENE, 0.1)
 
 
+def test_home_is_checked_with_the_tool_that_is_described(tmp_path, capsys):
+    urdf = tmp_path / "beside.urdf"
+    urdf.write_text(tool_beside(0.01))
+    with pytest.raises(NotReady, match=r"leads the shaft 10\.\d mm past the trocar"):
+        check(True, False, TROCAR, LIMITS, SCENE, 0.1, urdf)
+    (tmp_path / "text.urdf").write_text("no robot")
+    for name, words in (("text.urdf", "URDF"), ("none.urdf", "No such file")):
+        with pytest.raises(SystemExit) as ended:
+            main(["--emergency-stop", "true", *ARGUMENTS, "--urdf", str(tmp_path / name)])
+        assert ended.value.code == 2
+        assert words in capsys.readouterr().err
+
+
 def test_the_launch_hears_of_it_by_the_exit_status(capsys):
-    arguments = [
-        *("--simulate", "false", "--trocar", "0.406", "-0.024", "0.415"),
-        *("--limits", str(LIMITS), "--scene", str(SCENE), "--speed-scale", "0.1"),
-    ]
     with pytest.raises(SystemExit) as ended:
-        main(["--emergency-stop", "false", *arguments])
+        main(["--emergency-stop", "false", *ARGUMENTS])
     assert ended.value.code == 2
     assert "does not start" in capsys.readouterr().err
-    main(["--emergency-stop", "true", *arguments])
+    main(["--emergency-stop", "true", *ARGUMENTS])
     assert "the real robot" in capsys.readouterr().out
 
 

@@ -14,6 +14,7 @@ from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.registration.calibrate_cli import main
 from rst_control.registration.pose_file import ArmSample, PoseFileError, read_arm, rest_poses
 from rst_control.types import JOINTS
+from tests.support.other_tool import tool_beside
 
 TOPIC = "/joint_states"
 SHIFTS = [(0.0, 0.0), (0.03, 0.0), (-0.03, 0.0), (0.0, 0.03), (0.0, -0.03), (0.02, 0.02)]
@@ -70,6 +71,13 @@ def test_the_trocar_of_a_session_is_printed_with_its_residual(capsys, session):
     assert "pose 6, 0.0 s: 0.000 mm" in out
     assert 'set_trocar "position: {x: 0.406000, y: -0.024000, z: 0.415000}"' in out
     assert printed(capsys, session / "session.mcap") == out
+
+
+def test_the_shaft_is_that_of_the_tool_that_is_described(capsys, tmp_path, session):
+    urdf = tmp_path / "beside.urdf"
+    urdf.write_text(tool_beside(0.01))
+    assert "mm from the common point, allowed 1.000 mm" in refused(capsys, session, "--urdf", urdf)
+    assert "none.urdf" in refused(capsys, session, "--urdf", tmp_path / "none.urdf")
 
 
 def test_a_second_visit_of_the_same_name_is_the_one_that_counts(capsys, caplog, session, visit):

@@ -13,7 +13,7 @@ import numpy as np
 
 from rst_control.kinematics.configuration import Configuration, planning_joints
 from rst_control.kinematics.rcm import rcm_state
-from rst_control.kinematics.robot_model import load_robot
+from rst_control.kinematics.robot_model import parse_robot
 from rst_control.kinova.arm_state import ArmReport, SoftLimits
 from rst_control.kinova.config import KinovaConfig, bridge_limits
 from rst_control.kinova.feedback import JointFeedback
@@ -72,13 +72,16 @@ class LiveChecks:
         trocar: As measured, base frame, [m]. Shape (3,).
         description: URDF text of the robot.
         tolerance: Of the shaft from the trocar [m].
+
+    Raises:
+        RobotModelError: The URDF is not this robot's.
     """
 
     def __init__(
         self, config: KinovaConfig, trocar: Vector, description: str, tolerance: float
     ) -> None:
         self._config, self._trocar, self._tolerance = config, trocar, tolerance
-        self._description = description
+        self._description, self._model = description, parse_robot(description)
         self._arm, self._tool = config.bridge.arm, config.bridge.tool
         self._speed = bridge_limits(config).speed[:ARM_COUNT]  # [rad/s] of the plans, at most
 
@@ -243,7 +246,7 @@ class LiveChecks:
         if not seen.arm:
             return CheckResult(name, None, "no state")
         q = planning_joints(self._joints(seen, seen.arm[-1]))[0]
-        error = rcm_state(Configuration(load_robot(), q), self._trocar).error
+        error = rcm_state(Configuration(self._model, q), self._trocar).error
         found = f"{error * 1e3:.2f} mm off it, allowed {self._tolerance * 1e3:.2f} mm"
         return CheckResult(name, error <= self._tolerance, found, "steps 6 and 7; guide it back")
 

@@ -14,11 +14,11 @@ from pathlib import Path
 
 import numpy as np
 
-from rst_control.config import CONFIG_FOLDER, LimitsConfig, RcmConfig, SceneConfig
+from rst_control.config import CONFIG_FOLDER, URDF_FILE, LimitsConfig, RcmConfig, SceneConfig
 from rst_control.errors import RstError
 from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.rcm import rcm_state
-from rst_control.kinematics.robot_model import load_robot
+from rst_control.kinematics.robot_model import RobotModel, load_robot
 from typed_config import ConfigError, add_common_options, load_file
 
 REACH = 1.6  # [m] from base_link, beyond which no trocar is
@@ -39,6 +39,7 @@ def check(
     limits: Path,
     scene: Path,
     scale: float,
+    urdf: Path = URDF_FILE,
 ) -> str:
     """Check what a start with the real robot needs.
 
@@ -49,6 +50,7 @@ def check(
         limits: File of joint limits.
         scene: File of the scene, whose home has the shaft in the trocar.
         scale: Of all speeds.
+        urdf: Description of the robot.
 
     Returns:
         What holds, in words.
@@ -56,6 +58,8 @@ def check(
     Raises:
         NotReady: Says what is missing, and what to do.
         ConfigError: A file is wrong; names the key.
+        RobotModelError: The description is wrong.
+        OSError: It cannot be read.
     """
     if not has_stop and not is_simulated:
         raise NotReady(STOP_WORDS)
@@ -71,7 +75,7 @@ def check(
     bounds = load_file(LimitsConfig, limits)
     home = load_file(SceneConfig, scene)
     _check_turns(home, bounds, scene)
-    _check_home(home, trocar, scene)
+    _check_home(home, trocar, scene, load_robot(urdf))
     what = "simulated drivers" if is_simulated else "the real robot"
     return f"{what}, limits {bounds.layer}, speeds times {scale:g}"
 
@@ -89,10 +93,10 @@ def _check_turns(scene: SceneConfig, limits: LimitsConfig, file: Path) -> None:
             )
 
 
-def _check_home(scene: SceneConfig, trocar: Sequence[float], file: Path) -> None:
+def _check_home(scene: SceneConfig, trocar: Sequence[float], file: Path, model: RobotModel) -> None:
     """The posture from which everything is planned must have the shaft in the trocar."""
     rcm = load_file(RcmConfig, CONFIG_FOLDER / "rcm.yaml")
-    home = Configuration(load_robot(), np.array(scene.home))
+    home = Configuration(model, np.array(scene.home))
     error, allowed = rcm_state(home, np.array(trocar)).error, rcm.measured_tolerance
     if error > allowed:
         raise NotReady(
@@ -110,6 +114,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser.add_argument("--trocar", nargs=3, type=float, required=True)
     parser.add_argument("--limits", type=Path, required=True)
     parser.add_argument("--scene", type=Path, required=True)
+    parser.add_argument("--urdf", type=Path, default=URDF_FILE)
     parser.add_argument("--speed-scale", type=float, required=True)
     add_common_options(parser, "rst_control")
     given = parser.parse_args(argv)
@@ -121,8 +126,9 @@ def main(argv: Sequence[str] | None = None) -> None:
             given.limits,
             given.scene,
             given.speed_scale,
+            given.urdf,
         )
-    except (RstError, ConfigError) as error:
+    except (RstError, ConfigError, OSError) as error:
         print(f"\nkinova.launch does not start: {error}\n", file=sys.stderr)
         sys.exit(2)
     print(words)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rst_control.config import CONFIG_FOLDER, MotionConfig, load_motion_config
+from rst_control.config import CONFIG_FOLDER, URDF_FILE, MotionConfig, load_motion_config
 from rst_control.errors import RstError
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.kinematics.robot_model import load_robot
@@ -27,7 +27,7 @@ from typed_config import ConfigError, add_common_options, number_option, run_com
 
 def main(words: Sequence[str] | None = None) -> None:
     """Run the command line; exits with 0, or with 1 and what is wrong."""
-    arguments, refusals = _parser().parse_args(words), (RstError, ConfigError)
+    arguments, refusals = _parser().parse_args(words), (RstError, ConfigError, OSError)
     if status := run_command(lambda: _calibrate(arguments), "calibrate_trocar", refusals, failed=1):
         sys.exit(status)
 
@@ -48,7 +48,7 @@ def _calibrate(arguments: argparse.Namespace) -> None:
 
 
 def _fit(arguments: argparse.Namespace, config: MotionConfig) -> tuple[list[ArmSample], PivotFit]:
-    model = load_robot()
+    model = load_robot(arguments.urdf)
     rest = config.controller.watchdogs.at_rest_speed
     samples = read_arm(arguments.file, arguments.topic)
     span = (arguments.since, arguments.until)
@@ -86,5 +86,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--config", type=Path, default=CONFIG_FOLDER, help="folder of the settings' YAML files"
     )
+    parser.add_argument("--urdf", type=Path, default=URDF_FILE, help="description of the robot")
     add_common_options(parser, "rst_control")
     return parser

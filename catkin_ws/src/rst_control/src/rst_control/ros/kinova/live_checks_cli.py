@@ -157,6 +157,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser.add_argument("--trocar", nargs=3, type=place, metavar=("X", "Y", "Z"))
     parser.add_argument("--limits", type=Path, default=CONFIG_FOLDER / "kinova_limits.yaml")
     parser.add_argument("--scene", type=Path, default=CONFIG_FOLDER / "scene.yaml")
+    parser.add_argument("--urdf", type=Path, default=URDF_FILE, help="description of the robot")
     parser.add_argument("--arm", default="my_gen3", help="namespace of Kinova's driver")
     parser.add_argument("--tool", default="openrst", help="namespace of OpenRST's node")
     parser.add_argument("--torques", type=Path, default=TORQUE_TENSION_FILE)
@@ -168,7 +169,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     given = parser.parse_args(rospy.myargv(sys.argv)[1:] if argv is None else argv)
     try:
         checks, config = _checks(given)
-    except (RstError, ConfigError) as error:
+    except (RstError, ConfigError, OSError, UnicodeDecodeError) as error:
         parser.error(str(error))
     if words := master_problem():
         parser.error(words)
@@ -182,7 +183,7 @@ def _checks(given: argparse.Namespace) -> tuple[LiveChecks, KinovaConfig]:
     config = _config(given)
     rcm = load_file(RcmConfig, CONFIG_FOLDER / "rcm.yaml")
     trocar = np.array(given.trocar or config.scene.trocar)
-    description = URDF_FILE.read_text(encoding="utf-8")
+    description = given.urdf.read_text(encoding="utf-8")
     return LiveChecks(config, trocar, description, rcm.measured_tolerance), config
 
 
