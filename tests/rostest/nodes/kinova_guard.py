@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The stop guard's wiring: beats in, stops out."""
+"""The stop guard's wiring: beats in, stops out. This node is the bridge, and the arm's driver."""
 
 import time
 import unittest
@@ -19,15 +19,20 @@ class KinovaGuard(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.stops, cls.alive, cls.speeds = [], [], []
-        rospy.Subscriber(
-            "my_gen3/in/joint_velocity", Base_JointSpeeds, cls.speeds.append, tcp_nodelay=True
+        cls.stops, cls.alive, cls.speeds, cls.alive_of_left = [], [], [], []
+        heard = (
+            ("my_gen3/in/joint_velocity", Base_JointSpeeds, cls.speeds.append),
+            ("my_gen3/in/stop", Empty, cls.stops.append),
+            ("kinova_guard/alive", Empty, cls.alive.append),
+            ("guard_of_left_arm/alive", Empty, cls.alive_of_left.append),
+            ("left_arm/in/joint_velocity", Base_JointSpeeds, lambda _: None),
+            ("left_arm/in/stop", Empty, lambda _: None),
         )
-        rospy.Subscriber("my_gen3/in/stop", Empty, cls.stops.append, tcp_nodelay=True)
-        alive = rospy.Subscriber("kinova_guard/alive", Empty, cls.alive.append, tcp_nodelay=True)
+        ways = [rospy.Subscriber(*one, tcp_nodelay=True) for one in heard]
+        cls.stop = ways[1]
         cls.beat = rospy.Publisher("kinova_bridge/beat", BridgeBeat, queue_size=1, tcp_nodelay=True)
-        ways = (alive, cls.beat)
-        wait_until(lambda: all(way.get_num_connections() for way in ways), "the guard")
+        wait_until(lambda: all(way.get_num_connections() for way in ways), "topics of both guards")
+        wait_until(lambda: cls.beat.get_num_connections() == 2, "both guards")
 
     def beat_until_answered(self):
         before = len(self.alive)
@@ -37,6 +42,14 @@ class KinovaGuard(unittest.TestCase):
             return len(self.alive) > before
 
         wait_until(beat, "the guard's own beat")
+
+    def alive_within(self, seconds):
+        """Beats of the guard for a bridge that beats."""
+        before, end = len(self.alive), time.monotonic() + seconds
+        while time.monotonic() < end:
+            self.beat.publish(BridgeBeat())
+            time.sleep(0.01)
+        return len(self.alive) - before
 
     def test_1_while_nobody_was_heard_it_stops_nothing_and_is_no_guard(self):
         time.sleep(0.5)
@@ -69,6 +82,17 @@ class KinovaGuard(unittest.TestCase):
         for speed in self.speeds:  # all joints keep to their common way
             first, second, *_ = (joint.value for joint in speed.joint_speeds)
             self.assertAlmostEqual(second, 0.5 * first, delta=1e-3)
+
+    def test_5_a_guard_for_another_arm_is_no_guard(self):
+        """It is connected to the topics of its arm, by a node that is not its driver."""
+        self.assertGreater(self.alive_within(2.0), 0)
+        self.assertEqual(self.alive_of_left, [])
+
+    def test_6_a_guard_that_the_driver_lost_is_none(self):
+        self.stop.unregister()
+        wait_until(lambda: self.alive_within(0.5) == 0, "no beat of the guard")
+        rospy.Subscriber("my_gen3/in/stop", Empty, self.stops.append, tcp_nodelay=True)
+        self.beat_until_answered()
 
 
 if __name__ == "__main__":

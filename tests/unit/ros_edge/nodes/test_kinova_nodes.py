@@ -13,11 +13,13 @@ from rst_control.kinova.bridge import Bridge
 from rst_control.kinova.config import load_kinova_config
 from rst_control.kinova.guard import StopGuard
 from rst_control.msg import BridgeBeat
+from rst_control.ros.controller import node as controller_node
 from rst_control.ros.kinova import arm_report, bridge_node, guard_node, hardware
 from rst_control.ros.kinova.arm_report import FIRMWARE_TRIES, ArmFacts
 from rst_control.ros.kinova.bridge_node import KinovaBridgeNode
 from rst_control.ros.kinova.guard_node import GuardNode
 from rst_control.ros.kinova.hardware import KinovaHardware
+from rst_control.ros.simulator import node as simulator_node
 from rst_control.ros.torque_tension_node import SOONER
 
 
@@ -29,6 +31,18 @@ class Topic:
 
     def publish(self, _):
         self.sent.append(self.name)
+
+
+class ToArm:
+    """A topic of the arm's driver, with the names of its subscribers."""
+
+    def __init__(self, name, *listeners):
+        self.resolved_name = f"/my_gen3/in/{name}"
+        connections = [
+            SimpleNamespace(endpoint_id=listener, done=False, socket=object())
+            for listener in listeners
+        ]
+        self.impl = SimpleNamespace(connections=connections)
 
 
 class Plan:
@@ -43,6 +57,9 @@ class Plan:
     def step(self, _):
         self.left -= 1
         return SimpleNamespace(tolist=lambda: [0.1] * 7)
+
+
+DRIVER, RECORDER = "/my_gen3/my_gen3_driver", "/recorder"
 
 
 @pytest.fixture(autouse=True)
@@ -124,7 +141,7 @@ def test_the_guard_says_that_it_is_there_only_while_it_hears_the_bridge(monkeypa
     node = object.__new__(GuardNode)
     node._lock, node._guard, node._stop = threading.Lock(), guard, Topic("stop", [])
     node._known = SimpleNamespace(publish_status=lambda: None)
-    node._alive = SimpleNamespace(publish=lambda _: alive.append(len(rounds)))
+    node._say_alive = lambda: alive.append(len(rounds))
     monkeypatch.setattr(guard_node.rospy, "logerr", lambda *_: None)
     monkeypatch.setattr(guard_node.rospy, "is_shutdown", lambda: len(rounds) >= 300)
     monkeypatch.setattr(guard_node.time, "monotonic", lambda: len(rounds) * guard_node.PERIOD)
@@ -139,6 +156,74 @@ def test_the_guard_says_that_it_is_there_only_while_it_hears_the_bridge(monkeypa
     silence = config.guard.silence / guard_node.PERIOD
     assert alive and alive[0] >= 100 and alive[-1] <= 200 + silence
     assert len(alive) >= 25
+
+
+def told_by_guard(monkeypatch, stop, velocity, drivers=("/robot", "/my_gen3/*")):
+    """What a guard that hears the bridge sends to it and logs."""
+    sent, logged, node = [], [], object.__new__(GuardNode)
+    node._stop, node._speeds, node._drivers = stop, velocity, drivers
+    node._alive = Topic("alive", sent)
+    log = lambda _, words, *values: logged.append(words % values)  # noqa: E731
+    monkeypatch.setattr(guard_node.rospy, "logwarn_throttle", log)
+    node._say_alive()
+    return sent, logged
+
+
+STOP, VELOCITY = "/my_gen3/in/stop", "/my_gen3/in/joint_velocity"
+
+
+@pytest.mark.parametrize(
+    ("stop", "velocity", "unheard"),
+    [
+        ([], [], f"{STOP}, {VELOCITY}"),
+        ([RECORDER], [RECORDER], f"{STOP}, {VELOCITY}"),
+        ([DRIVER], [RECORDER], VELOCITY),
+        ([], [DRIVER], STOP),
+    ],
+)
+def test_a_guard_that_the_driver_does_not_hear_is_no_guard(monkeypatch, stop, velocity, unheard):
+    topics = ToArm("stop", *stop), ToArm("joint_velocity", *velocity)
+    sent, logged = told_by_guard(monkeypatch, *topics)
+    assert sent == []
+    words = f"the arm's driver does not hear this guard: {unheard}; allowed: /robot, /my_gen3/*"
+    assert logged == [words]
+
+
+@pytest.mark.parametrize("driver", [DRIVER, "/robot"])
+def test_a_guard_that_the_driver_hears_on_both_topics_is_one(monkeypatch, driver):
+    topics = ToArm("stop", RECORDER, driver), ToArm("joint_velocity", driver)
+    assert told_by_guard(monkeypatch, *topics) == (["alive"], [])
+
+
+def test_where_the_settings_name_nobody_any_listener_counts_for_the_driver(monkeypatch):
+    topics = ToArm("stop", "/other"), ToArm("joint_velocity", "/other")
+    assert told_by_guard(monkeypatch, *topics, drivers=()) == (["alive"], [])
+    sent, (words,) = told_by_guard(monkeypatch, ToArm("stop"), topics[1], drivers=())
+    assert sent == [] and words.endswith(f"{STOP}; allowed: anybody")
+
+
+@pytest.mark.parametrize(("done", "socket"), [(True, object()), (False, None)])
+def test_a_driver_whose_connection_is_closed_does_not_hear(monkeypatch, done, socket):
+    stop, velocity = ToArm("stop", DRIVER), ToArm("joint_velocity", DRIVER)
+    (connection,) = stop.impl.connections
+    connection.done, connection.socket = done, socket
+    sent, logged = told_by_guard(monkeypatch, stop, velocity)
+    assert sent == [] and f"{STOP};" in logged[0]
+
+
+@pytest.mark.parametrize("node", [controller_node, simulator_node, bridge_node, guard_node])
+def test_each_node_that_moves_the_robot_first_bounds_what_it_takes_in(monkeypatch, node):
+    """Else a peer that connects and says nothing keeps everybody else from connecting."""
+
+    class BoundedError(Exception):
+        pass
+
+    def limit():
+        raise BoundedError
+
+    monkeypatch.setattr(node, "limit_messages", limit)
+    with pytest.raises(BoundedError):
+        node.main()
 
 
 def test_a_force_is_told_once_and_the_controller_judges_its_age():

@@ -21,7 +21,9 @@ def kinova():
 @pytest.fixture(scope="session")
 def soft_planner(robot, motion_config):
     """Plans within what the driver allows."""
-    return Planner(robot, replace(motion_config, limits=LIMITS))
+    controller = motion_config.controller
+    controller = replace(controller, jaws=replace(controller.jaws, braking=6.0))
+    return Planner(robot, replace(motion_config, limits=LIMITS, controller=controller))
 
 
 @pytest.fixture

@@ -32,6 +32,8 @@ def given_by(*arguments):
         (TROCAR + LIMITS, "kinova_preflight"),
         ([*TROCAR, *LIMITS, "i_have_an_emergency_stop:=false"], "kinova_preflight"),
         (TROCAR + LIMITS + STOP + ["speed_scale:=3"], "kinova_preflight"),
+        (TROCAR + LIMITS + STOP + ["in_air:=no"], "kinova_preflight"),
+        (TROCAR + LIMITS + STOP + ["dry_run:=0"], "kinova_preflight"),
     ],
 )
 def test_it_does_not_start_without(arguments, words):
@@ -60,7 +62,30 @@ def test_what_is_given_counts():
     assert value["/controller/controller/first_motion"] == "free"
     assert value["/kinova_bridge/bridge/arm/namespace"] == "a"
     assert value["/kinova_guard/bridge/arm/namespace"] == "a"
+    for node in ("kinova_bridge", "kinova_guard"):
+        assert value[f"/{node}/bridge/believed/arm"] == ["/robot", "/a/*"]
     assert "/robot" in found.nodes
+
+
+@pytest.mark.parametrize(("true", "false"), [("True", "FALSE"), ("TRUE", "False")])
+def test_true_and_false_are_taken_in_letters_of_any_case(true, false):
+    given = [*TROCAR, *LIMITS, *QUIET, f"simulate:={true}", f"in_air:={false}", f"dry_run:={true}"]
+    value = read([str(FILE), *given], runs_commands=True).parameters
+    assert value["/controller/controller/homing"] == "outside"
+    assert value["/controller/controller/first_motion"] == "confirmed"
+
+
+@pytest.mark.parametrize("name", ["in_air", "dry_run", "simulate", "i_have_an_emergency_stop"])
+@pytest.mark.parametrize("value", ["", "false "])
+def test_a_file_that_includes_it_cannot_leave_a_switch_open(tmp_path, capfd, name, value):
+    """On a command line, roslaunch itself strips values, and passes over empty ones."""
+    given = dict(word.split(":=") for word in (*TROCAR, *LIMITS, *STOP, *QUIET, f"{name}:={value}"))
+    arguments = "".join(f'<arg name="{key}" value="{given[key]}"/>' for key in given)
+    own = tmp_path / "own.launch"
+    own.write_text(f'<launch><include file="{FILE}">{arguments}</include></launch>')
+    with pytest.raises(RLException, match="kinova_preflight"):
+        load_config_default([(str(own), [])], None, verbose=False)
+    assert f"start: {name} is '{value}', allowed: true or false" in capfd.readouterr().err
 
 
 def test_other_settings_of_the_bridge_count_for_its_guard_too():

@@ -210,6 +210,21 @@ def test_the_stop_guard_is_said_to_be_well_only_as_far_as_is_known(
     assert "ROS_IP" in row.next_step or is_met is not False
 
 
+@pytest.mark.parametrize("beats", [(), ("/kinova_bridge",)])
+@pytest.mark.parametrize("topic", ["in/stop", "in/joint_velocity"])
+def test_a_stop_guard_of_another_arm_is_named(checks, seen, topic, beats):
+    own = {f"/my_gen3/{one}": ["/kinova_guard"] for one in ("in/stop", "in/joint_velocity")}
+    publishers = {"/kinova_guard/alive": ["/kinova_guard"], "/kinova_bridge/beat": beats, **own}
+    guard = {"guard_beats": 0, "is_guard_connected": True}
+    row = checks(replace(seen, **guard, publishers=publishers))[-1]
+    assert row.is_met is (not beats)
+    assert "or the driver does not hear it" in row.found or not beats
+    astray = {**publishers, f"/my_gen3/{topic}": ["/kinova_bridge"]}
+    row = checks(replace(seen, **guard, publishers=astray))[-1]
+    assert (row.is_met, row.found) == (False, "/kinova_guard guards another arm than my_gen3")
+    assert "arm:=" in row.next_step
+
+
 def test_of_silent_drivers_and_a_silent_master_nothing_is_said_to_be_well(checks):
     results = checks(Observed(SECONDS))
     assert not any(result.is_met for result in results)

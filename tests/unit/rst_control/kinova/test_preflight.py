@@ -14,8 +14,9 @@ from typed_config import ConfigError, load_yaml
 
 LIMITS, SCENE = CONFIG_FOLDER / "kinova_limits.yaml", CONFIG_FOLDER / "scene.yaml"
 TROCAR = (0.406, -0.024, 0.415)
+SWITCHES = ("--simulate", "false", "--in-air", "false", "--dry-run", "true")
 ARGUMENTS = (
-    *("--simulate", "false", "--trocar", "0.406", "-0.024", "0.415"),
+    *(*SWITCHES, "--trocar", "0.406", "-0.024", "0.415"),
     *("--limits", str(LIMITS), "--scene", str(SCENE), "--speed-scale", "0.1"),
 )
 
@@ -100,6 +101,30 @@ def test_the_launch_hears_of_it_by_the_exit_status(capsys):
     assert ended.value.code == 2
     assert "does not start" in capsys.readouterr().err
     main(["--emergency-stop", "true", *ARGUMENTS])
+    assert "the real robot" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("value", ["no", "0", "1", "", "false ", "yes"])
+@pytest.mark.parametrize(
+    ("option", "name"),
+    [
+        ("--emergency-stop", "i_have_an_emergency_stop"),
+        ("--simulate", "simulate"),
+        ("--in-air", "in_air"),
+        ("--dry-run", "dry_run"),
+    ],
+)
+def test_a_switch_that_says_neither_true_nor_false_is_refused(capsys, option, name, value):
+    with pytest.raises(SystemExit) as ended:
+        main(["--emergency-stop", "true", *ARGUMENTS, option, value])
+    assert ended.value.code == 2
+    words = f"kinova.launch does not start: {name} is '{value}', allowed: true or false"
+    assert capsys.readouterr().err.strip() == words
+
+
+@pytest.mark.parametrize("value", ["True", "TRUE", "False", "FALSE"])
+def test_switches_are_taken_in_letters_of_any_case(capsys, value):
+    main(["--emergency-stop", "True", *ARGUMENTS, "--in-air", value, "--dry-run", value])
     assert "the real robot" in capsys.readouterr().out
 
 

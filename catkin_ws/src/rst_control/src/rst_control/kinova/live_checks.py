@@ -26,6 +26,8 @@ MIN_SHARE: Final = 0.95  # of the arm's feedback_rate
 MAX_CLOCK: Final = 0.5  # [s] between the clocks of two hosts
 ALIKE: Final = 20  # states without any change, which no arm with torque sensors gives
 BRIDGE: Final = ("/kinova_bridge", "/kinova_guard")
+GUARD: Final = "/kinova_guard/alive"
+STOPPING: Final = ("in/joint_velocity", "in/stop")  # of the arm's driver: what brakes and stops it
 MOTION: Final = (
     "in/joint_velocity",
     "in/cartesian_velocity",
@@ -48,7 +50,7 @@ class Observed:
     bad_tool: str = ""  # the same of the tool's
     tool_state: int | None = None
     guard_beats: int = 0
-    is_guard_connected: bool = False  # it runs; it beats only while it hears the bridge
+    is_guard_connected: bool = False  # it runs; it beats while it hears bridge and driver hears it
     forces: Sequence[Vector] = ()  # [N] of the force sensor, each of shape (3,)
     publishers: Mapping[str, Sequence[str]] | None = None  # nodes by topic, as the master says
     subscribers: Mapping[str, Sequence[str]] | None = None
@@ -184,7 +186,7 @@ class LiveChecks:
 
     def _listens(self, seen: Observed) -> CheckResult:
         name, silent = "driver takes velocities and stops", []
-        for topic in ("in/joint_velocity", "in/stop"):
+        for topic in STOPPING:
             nodes = self._nodes(seen.subscribers, topic)
             if nodes is None:
                 return CheckResult(name, None, "the master does not answer")
@@ -283,14 +285,20 @@ class LiveChecks:
         name = "stop guard is there"
         if seen.guard_beats:
             rate = seen.guard_beats / seen.seconds
-            return CheckResult(name, True, f"it hears the bridge: {rate:.0f} beats a second")
+            found = f"it hears the bridge, the driver hears it: {rate:.0f} beats a second"
+            return CheckResult(name, True, found)
         if not seen.is_guard_connected:
             return CheckResult(name, None, "not there; kinova.launch starts it")
         if seen.publishers is None:
             return CheckResult(name, None, "silent; the master does not answer")
+        guards, senders = seen.publishers.get(GUARD, ()), seen.publishers
+        astray = {g for t in STOPPING for g in guards if g not in (self._nodes(senders, t) or ())}
+        if astray:
+            found = f"{_words(sorted(astray))} guards another arm than {self._arm.namespace}"
+            return CheckResult(name, False, found, "arm:= of kinova_guard.launch")
         if bridges := seen.publishers.get("/kinova_bridge/beat"):
-            found = f"it runs, and does not hear {_words(bridges)}"
-            step = "ROS_IP of the bridge's host, guard.bridge; rosnode cleanup after one that died"
+            found = f"it runs, and does not hear {_words(bridges)}, or the driver does not hear it"
+            step = "its log; ROS_IP of both hosts, guard.bridge; rosnode cleanup after a dead one"
             return CheckResult(name, False, found, step)
         return CheckResult(name, True, "it runs, waits for the bridge")
 

@@ -28,6 +28,9 @@ STOP_WORDS = (
 )
 
 
+SWITCHES = ("true", "false")  # in $(eval ...), roslaunch takes 0 and "" for false, others for true
+
+
 class NotReady(RstError):
     """The robot may not be started like this."""
 
@@ -106,11 +109,22 @@ def _check_home(scene: SceneConfig, trocar: Sequence[float], file: Path, model: 
         )
 
 
+def is_on(name: str, value: str) -> bool:
+    """What a switch of the launch says, in letters of any case, as roslaunch takes them.
+
+    Raises:
+        NotReady: It says neither true nor false; names the argument.
+    """
+    if value.lower() not in SWITCHES:
+        raise NotReady(f"{name} is {value!r}, allowed: {' or '.join(SWITCHES)}")
+    return value.lower() == "true"
+
+
 def main(argv: Sequence[str] | None = None) -> None:
     """Check, print what holds, or end with the reason on the error output."""
     parser = argparse.ArgumentParser(prog="kinova_preflight", description=__doc__)
-    parser.add_argument("--emergency-stop", choices=("true", "false"), required=True)
-    parser.add_argument("--simulate", choices=("true", "false"), required=True)
+    for switch in ("--emergency-stop", "--simulate", "--in-air", "--dry-run"):
+        parser.add_argument(switch, required=True, metavar="{true,false}")
     parser.add_argument("--trocar", nargs=3, type=float, required=True)
     parser.add_argument("--limits", type=Path, required=True)
     parser.add_argument("--scene", type=Path, required=True)
@@ -119,9 +133,11 @@ def main(argv: Sequence[str] | None = None) -> None:
     add_common_options(parser, "rst_control")
     given = parser.parse_args(argv)
     try:
+        for name in ("in_air", "dry_run"):  # what they say reaches the controller by the launch
+            is_on(name, getattr(given, name))
         words = check(
-            given.emergency_stop == "true",
-            given.simulate == "true",
+            is_on("i_have_an_emergency_stop", given.emergency_stop),
+            is_on("simulate", given.simulate),
             given.trocar,
             given.limits,
             given.scene,

@@ -17,7 +17,8 @@ from rst_control.tension.gravity_check import RestTorques
 STARTING: Final = "the arm's driver never reported its joints: is it running?"
 NO_GUARD: Final = (
     "the stop guard was never heard: start the node kinova_guard; "
-    "one that runs does not hear this bridge (ROS_IP, guard.bridge)"
+    "one that runs does not hear this bridge (ROS_IP, guard.bridge), "
+    "or the arm's driver does not hear it (arm:=, ROS_IP)"
 )
 HELD_TO_HOME: Final = 'the arm is held to home the tool: when it is homed, say "hey robot"'
 

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The stop guard as a process of its own: brakes and stops the arm when the bridge is silent.
 
-It tells the bridge that it is there only while it hears the bridge. A guard that hears nothing
-would let the bridge lead the arm unguarded.
+It tells the bridge that it is there only while it hears the bridge, and while the arm's driver is
+connected to it. Any other guard would let the bridge lead the arm unguarded.
 """
 
 from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Iterable
 from typing import Any
 
 import rospy
@@ -21,19 +22,24 @@ from rst_control.msg import BridgeBeat
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.kinova.beat import course_of
 from rst_control.ros.kinova.hardware import speeds_message
+from rst_control.ros.rospy_patches.message_limits import limit_messages
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
 from typed_config import load_config
+from typed_config.node_names import caller_name, is_allowed
 from typed_config.ros.known_publishers import KnownPublishers
 from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
+from typed_config.ros.system_names import of_this_system
 
 PERIOD = 0.005  # [s] between two rounds
 CLOSING = 1.5  # [s] for which it guards when it is ended; silence and braking take less
 ALIVE_EVERY = 4  # rounds between two beats for the bridge
+SAY_AGAIN = 10.0  # [s] before a driver that does not hear is named again
 
 
 def main() -> None:
     """Run the guard node."""
+    limit_messages()
     publish_without_waiting()
     with starting("kinova_guard", needs_clock=False, launch="kinova.launch"):
         settings = launch_settings()
@@ -42,6 +48,13 @@ def main() -> None:
         rospy.on_shutdown(node.close)
     ask_for_priority()
     node.run()
+
+
+def is_heard_by(topic: rospy.Publisher, patterns: Iterable[str]) -> bool:
+    """Whether a node of an allowed name is connected; that a recorder is, says nothing."""
+    connections = list(topic.impl.connections) if topic.impl is not None else []
+    names = {caller_name(c.endpoint_id) for c in connections if not c.done and c.socket is not None}
+    return any(is_allowed(name, patterns) for name in names)
 
 
 class GuardNode:
@@ -53,6 +66,7 @@ class GuardNode:
         arm = config.arm.namespace
         self._stop = rospy.Publisher(f"{arm}/in/stop", Empty, **newest)
         self._speeds = rospy.Publisher(f"{arm}/in/joint_velocity", Base_JointSpeeds, **newest)
+        self._drivers = tuple(map(of_this_system, config.believed.arm))  # [] stands for anybody
         self._alive = rospy.Publisher("kinova_guard/alive", Empty, **newest)
         beat = "kinova_bridge/beat"
         self._known = KnownPublishers()
@@ -70,7 +84,7 @@ class GuardNode:
             was_silent = is_silent
             rounds += 1
             if rounds % ALIVE_EVERY == 0 and self._guard.hears_bridge(now):
-                self._alive.publish(Empty())
+                self._say_alive()
             self._known.publish_status()
             time.sleep(PERIOD)
 
@@ -83,6 +97,17 @@ class GuardNode:
         while time.monotonic() < end:
             self._guard_once()
             time.sleep(PERIOD)
+
+    def _say_alive(self) -> None:
+        """Tell the bridge that it has a guard, where the arm's driver hears its brake and stop."""
+        topics = (self._stop, self._speeds)
+        unheard = [t.resolved_name for t in topics if not is_heard_by(t, self._drivers)]
+        if not unheard:
+            self._alive.publish(Empty())
+            return
+        words = "the arm's driver does not hear this guard: %s; allowed: %s"
+        allowed = ", ".join(self._drivers) or "anybody"
+        rospy.logwarn_throttle(SAY_AGAIN, words, ", ".join(unheard), allowed)
 
     def _on_beat(self, message: BridgeBeat) -> None:
         now = time.monotonic()
