@@ -7,10 +7,16 @@ PY := .venv/bin/python
 # Packages under ~/.local would come before Debian's and ours
 export PYTHONNOUSERSITE := 1
 # ROS on loopback only; the workspace's packages on every path
-RUN := unset PYTHONPATH PYTHONHOME ROS_HOSTNAME ROS_NAMESPACE; . catkin_ws/devel/setup.sh; export ROS_IP=127.0.0.1 PATH="$(CURDIR)/.venv/bin:$$PATH";
+RUN := unset PYTHONPATH PYTHONHOME ROS_HOSTNAME ROS_NAMESPACE && . catkin_ws/devel/setup.sh && export ROS_IP=127.0.0.1 PATH="$(CURDIR)/.venv/bin:$$PATH" &&
 
 INTERFACES := $(wildcard catkin_ws/src/*/package.xml catkin_ws/src/*/CMakeLists.txt catkin_ws/src/*/setup.py \
-    catkin_ws/src/*/msg/* catkin_ws/src/*/srv/* catkin_ws/src/*/action/*)
+    catkin_ws/src/*/env-hooks/* catkin_ws/src/*/msg/* catkin_ws/src/*/srv/* catkin_ws/src/*/action/*)
+
+# A copied or moved folder brings stamps, environment and build of its old place. Both are then made anew.
+# FORCE where the file $1, if there is one, has no word like $2. Where .venv is a link, its place is the user's own.
+OF_OLD_PLACE = $(if $1,$(if $(filter $2,$(subst !, ,$(file <$1))),,FORCE))
+OLD_PYTHON := $(call OF_OLD_PLACE,$(filter $(CURDIR)/.venv/%,$(realpath .venv/bin/pip)),$(CURDIR)/.venv/bin/%)
+OLD_BUILD := $(call OF_OLD_PLACE,$(wildcard catkin_ws/build/CMakeCache.txt),CMAKE_HOME_DIRECTORY:INTERNAL=$(CURDIR)/catkin_ws/src)
 
 .PHONY: FORCE help setup install demo film languages preflight check fast test bench figures fuzz evaluate train paper lint report clean
 
@@ -22,11 +28,14 @@ help: ## list the verbs
 	@docker/setup.sh system $<
 	@mkdir -p .setup && touch $@
 
-.setup/python: .setup/system requirements.txt docker/constraints.txt
+# Without the old stamp, which would hide that this was interrupted
+.setup/python: .setup/system requirements.txt docker/constraints.txt $(OLD_PYTHON)
+	@rm -f $@
 	@docker/setup.sh python requirements.txt
 	@touch $@
 
-.setup/workspace: .setup/python $(INTERFACES) $(if $(UNDERLAY),FORCE)
+.setup/workspace: .setup/python $(INTERFACES) $(or $(if $(UNDERLAY),FORCE),$(OLD_BUILD))
+	@rm -f $@
 	@docker/setup.sh workspace
 	@touch $@
 
@@ -54,10 +63,12 @@ demo: setup ## a spoken session moves the simulated robot; GUI=1 opens its windo
 	@$(RUN) python -m demo $(if $(GUI),--gui) $(if $(MIC),--microphone) $(if $(ROBOT),--robot '$(ROBOT)') $(if $(OUT),--out "$$OUT")
 
 film: .setup/dev ## the same session as a GIF and as a video file with its sound and captions: film.gif and film.mp4 in OUT (sessions/film)
-	@$(RUN) out="$(if $(OUT),$$OUT,sessions/film)"; rm -f "$$out/session.mcap"; python -m demo --film --out "$$out" && python -m demo.film "$$out"
+	@out="$(if $(OUT),$$OUT,sessions/film)"; if [ "$$out" = sessions/film ]; then rm -f "$$out/session.mcap"; \
+	    elif [ -e "$$out/session.mcap" ]; then echo "OUT holds a recording; name a new folder"; exit 2; fi
+	@$(RUN) out="$(if $(OUT),$$OUT,sessions/film)" && python -m demo --film --out "$$out" && python -m demo.film "$$out"
 
 preflight: setup ## checks of live Kinova and OpenRST drivers that move nothing; TROCAR="x y z" [SCENE=file LIMITS=file URDF=file BRIDGE=overrides.yaml ROBOT=my_gen3]
-	@ip="$${ROS_IP:-127.0.0.1}"; $(RUN) export ROS_IP="$$ip"; python -m rst_control.ros.kinova.live_checks_cli $(if $(TROCAR),--trocar $(TROCAR)) \
+	@ip="$${ROS_IP:-127.0.0.1}"; $(RUN) export ROS_IP="$$ip" && python -m rst_control.ros.kinova.live_checks_cli $(if $(TROCAR),--trocar $(TROCAR)) \
 	    $(if $(SCENE),--scene "$$SCENE") $(if $(LIMITS),--limits "$$LIMITS") $(if $(URDF),--urdf "$$URDF") $(if $(BRIDGE),--bridge-overrides "$$BRIDGE") $(if $(ROBOT),--arm '$(ROBOT)')
 
 check: .setup/dev ## before a change is proposed: lint, and the tests that need no node and little time

@@ -5,7 +5,7 @@
 # FILE lists packages: of Debian (docker/apt-*.txt) or of Python (requirements*.txt).
 # Every part can be interrupted and run again; a part with nothing to do says so by saying nothing.
 set -eu
-cd "$(dirname "$0")/.."
+cd -P "$(dirname "$0")/.." # the place itself, as make and Python name it, not a link to it
 SYSTEM_ROOT=${SYSTEM_ROOT:-} # where the tests keep another system's files
 PYTHON=$SYSTEM_ROOT/usr/bin/python3 # Debian's own: rospy and PyKDL belong to it, whatever other python comes first on PATH
 CONTAINER="docker build -f docker/Dockerfile -t voice_assist . && docker run --rm voice_assist"
@@ -112,8 +112,13 @@ locked() {
         take' docker/constraints.txt
 }
 
+# moved: whether the environment's programs begin with the Python of another folder, from which this one was copied.
+moved() {
+    [ -f .venv/bin/pip ] && [ ! -L .venv ] && ! grep -qF -e "!$PWD/.venv/bin/" -e " $PWD/.venv/bin/" .venv/bin/pip
+}
+
 python_packages() {
-    if ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
+    if moved || ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
         say "Python environment in .venv"
         rm -rf .venv
         "$PYTHON" -m venv --system-site-packages .venv
@@ -218,6 +223,7 @@ workspace() {
 install_space() {
     case "${1:-}" in /*) ;; *) fail "The folder to install to must be an absolute path: PREFIX=/opt/voice_assist" ;; esac
     plain_path "$1" "PREFIX"
+    mkdir -p "$1" 2>/dev/null && [ -w "$1" ] || fail "PREFIX is '$1', allowed: a folder that can be made and written"
     prepare
     build install -DCMAKE_INSTALL_PREFIX="$1"
     keep_compiled "$1"

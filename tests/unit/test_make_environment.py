@@ -1,11 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a verb of make runs does not take the addresses and names that the shell has for ROS."""
+"""What a verb of make runs belongs to this folder, whatever the shell has for ROS.
+
+A copied folder brings the environment and the build of the folder that it was copied from.
+"""
 
 import os
+import shutil
 import subprocess
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
+PLAIN = {"PATH": "/usr/bin:/bin"}  # without what a make around the tests hands down
 SHELL = {"ROS_HOSTNAME": "a.host.that.is.none", "ROS_NAMESPACE": "left", "PYTHONPATH": "/none"}
 
 
@@ -17,3 +24,153 @@ def test_a_host_name_and_a_namespace_of_the_shell_reach_no_verb():
     assert "ROS_HOSTNAME" not in found and "ROS_NAMESPACE" not in found
     assert found["ROS_IP"] == "127.0.0.1"
     assert "/none" not in found["PYTHONPATH"].split(":")
+
+
+def test_where_the_workspace_cannot_be_sourced_nothing_is_run(tmp_path):
+    shutil.copy(ROOT / "Makefile", tmp_path)
+    words = ["make", "--eval", "shown: ; @$(RUN) touch shown", "shown"]
+    done = subprocess.run(
+        words, cwd=tmp_path, env=PLAIN, capture_output=True, text=True, check=False
+    )
+    assert done.returncode != 0 and "catkin_ws/devel/setup.sh" in done.stderr
+    assert not (tmp_path / "shown").exists()
+
+
+@pytest.fixture
+def copy(tmp_path):
+    """A folder that was set up, as far as make sees."""
+    shutil.copytree(ROOT / "docker", tmp_path / "docker")
+    for file in ("Makefile", *(path.name for path in ROOT.glob("requirements*.txt"))):
+        shutil.copy(ROOT / file, tmp_path)
+    for file in (*tmp_path.glob("requirements*.txt"), *tmp_path.glob("docker/**/*")):
+        os.utime(file, (0, 0))  # older than the stamps
+    (tmp_path / ".setup").mkdir()
+    for name in ("system", "python", "workspace", "dev-system", "dev-python", "dev", "bench"):
+        (tmp_path / ".setup" / name).touch()
+    return tmp_path
+
+
+def built_in(copy, folder):
+    """Leave what cmake keeps of a build in a folder."""
+    cache = copy / "catkin_ws/build/CMakeCache.txt"
+    cache.parent.mkdir(parents=True)
+    line = f"CMAKE_HOME_DIRECTORY:INTERNAL={folder}/catkin_ws/src"
+    cache.write_text(f"//\n# generated\nA:PATH=/usr\n{line}\nB:STRING=\n", encoding="utf-8")
+
+
+SHORT = "#!{}/.venv/bin/python3\n# -*- coding: utf-8 -*-\nimport re\n"
+LONG = "#!/bin/sh\n'''exec' {}/.venv/bin/python3 \"$0\" \"$@\"\n' '''\n"  # over 127 letters
+
+
+def installed_in(copy, folder, text=SHORT):
+    """Leave the program pip of an environment that was made in a folder."""
+    pip = copy / ".venv/bin/pip"
+    pip.parent.mkdir(parents=True)
+    pip.write_text(text.format(folder), encoding="utf-8")
+
+
+def steps(copy, goal="setup"):
+    """Steps of set-up that make would take, in their order."""
+    words = ["make", "--dry-run", goal]
+    done = subprocess.run(words, cwd=copy, env=PLAIN, capture_output=True, text=True, check=True)
+    begin = "docker/setup.sh "
+    lines = done.stdout.splitlines()
+    return [line.removeprefix(begin) for line in lines if line.startswith(begin)]
+
+
+WORKSPACE, PYTHON = "workspace", "python requirements.txt"
+OTHERS = ["/elsewhere", "/backup{}", "{}/backup", "{}2"]  # beside the folder's own path
+
+
+def test_a_folder_that_was_set_up_needs_nothing(copy):
+    assert steps(copy) == []
+    built_in(copy, copy)
+    installed_in(copy, copy)
+    assert steps(copy) == steps(copy, ".setup/bench") == []
+
+
+@pytest.mark.parametrize("other", OTHERS)
+def test_the_build_of_another_folder_is_made_anew(copy, other):
+    built_in(copy, other.format(copy))
+    installed_in(copy, copy)
+    assert steps(copy) == [WORKSPACE]
+
+
+@pytest.mark.parametrize("text", [SHORT, LONG], ids=["short", "long"])
+@pytest.mark.parametrize("other", OTHERS)
+def test_the_environment_of_another_folder_is_made_anew_and_all_that_follows(copy, other, text):
+    built_in(copy, copy)
+    installed_in(copy, other.format(copy), text)
+    assert steps(copy) == [PYTHON, WORKSPACE]
+    more = ["python requirements-dev.txt", "javascript", "python requirements-bench.txt"]
+    assert steps(copy, ".setup/bench") == [PYTHON, WORKSPACE, *more]
+
+
+def test_in_a_long_path_an_environment_is_its_own_too(copy):
+    installed_in(copy, copy, LONG)
+    assert steps(copy) == []
+
+
+def test_an_environment_that_the_user_linked_stays(copy, tmp_path_factory):
+    shared = tmp_path_factory.mktemp("shared")
+    installed_in(shared, "/elsewhere")
+    (copy / ".venv").symlink_to(shared / ".venv")
+    assert steps(copy) == []
+
+
+INTERRUPTED = """#!/bin/sh
+echo "CMAKE_HOME_DIRECTORY:INTERNAL=$PWD/catkin_ws/src" >catkin_ws/build/CMakeCache.txt
+exit 1
+"""
+
+
+def test_a_step_that_is_interrupted_is_taken_again(copy):
+    built_in(copy, "/elsewhere")
+    (copy / "docker/setup.sh").write_text(INTERRUPTED, encoding="utf-8")
+    os.utime(copy / "docker/setup.sh", (0, 0))
+    words = ["make", "setup"]
+    done = subprocess.run(words, cwd=copy, env=PLAIN, capture_output=True, check=False)
+    assert done.returncode != 0
+    assert steps(copy) == [WORKSPACE]
+
+
+VENV = """#!/bin/sh
+[ "$2" = venv ] || exit 0
+mkdir -p .venv/bin
+echo "#!$PWD/.venv/bin/python3" >.venv/bin/pip
+cp "$0" .venv/bin/python
+"""
+
+
+@pytest.fixture
+def packages(copy):
+    """Takes the step of Python's packages, with a Python that installs nothing."""
+    root = copy / "root"
+    (root / "usr/bin").mkdir(parents=True)
+    (root / "etc").mkdir()
+    (root / "etc/os-release").write_text('ID=debian\nVERSION_ID="12"\n', encoding="utf-8")
+    python = root / "usr/bin/python3"
+    python.write_text(VENV, encoding="utf-8")
+    python.chmod(0o755)
+
+    def packages():
+        given = {**PLAIN, "SYSTEM_ROOT": str(root), "TORCH": "cuda"}
+        words = ["docker/setup.sh", "python", "requirements.txt"]
+        subprocess.run(words, cwd=copy, env=given, capture_output=True, check=True)
+
+    packages()
+    return packages
+
+
+@pytest.mark.parametrize("text", [SHORT, LONG], ids=["short", "long"])
+def test_set_up_removes_the_environment_of_another_folder(copy, packages, text):
+    kept, pip = copy / ".venv/kept", copy / ".venv/bin/pip"
+    kept.touch()
+    pip.write_text(text.format(copy), encoding="utf-8")
+    packages()
+    assert kept.exists(), "its own environment stays"
+    pip.write_text(text.format("/elsewhere"), encoding="utf-8")
+    packages()
+    assert not kept.exists()
+    assert pip.read_text(encoding="utf-8") == f"#!{copy}/.venv/bin/python3\n"
+    assert steps(copy) == []

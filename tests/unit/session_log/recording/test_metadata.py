@@ -5,6 +5,7 @@ from fractions import Fraction
 from types import SimpleNamespace
 from xmlrpc.client import Binary, DateTime
 
+import pytest
 import yaml
 
 from session_log.recording import metadata
@@ -12,7 +13,10 @@ from session_log.recording.namespace import Namespace
 from session_log.ros import recorder_node
 
 
-def test_the_commit_and_what_was_changed_since_are_named(tmp_path):
+@pytest.fixture
+def kept(tmp_path):
+    """A folder that is kept in git, with one file."""
+
     def git(*words):
         subprocess.run(["git", "-C", tmp_path, *words], check=True, capture_output=True)
 
@@ -20,10 +24,41 @@ def test_the_commit_and_what_was_changed_since_are_named(tmp_path):
     (tmp_path / "a").write_text("1")
     git("add", "a")
     git("-c", "user.name=t", "-c", "user.email=t@example.org", "commit", "-m", "first")
-    assert metadata.code_facts(tmp_path)["changed_files"] == ""
-    (tmp_path / "a").write_text("2")
-    facts = metadata.code_facts(tmp_path)
+    return tmp_path
+
+
+def test_the_commit_and_what_was_changed_since_are_named(kept):
+    assert metadata.code_facts(kept)["changed_files"] == ""
+    (kept / "a").write_text("2")
+    facts = metadata.code_facts(kept)
     assert len(facts["commit"]) == 40 and "a" in facts["changed_files"]
+
+
+@pytest.mark.parametrize("built", ["abc123", None])
+def test_a_repository_around_that_does_not_track_the_sources_is_not_theirs(
+    kept, monkeypatch, built
+):
+    (kept / ".gitignore").write_text("ignored\n")
+    if built:
+        monkeypatch.setenv("VOICE_ASSIST_COMMIT", built)
+    else:
+        monkeypatch.delenv("VOICE_ASSIST_COMMIT", raising=False)
+    for name in ("untracked", "ignored"):
+        sources = kept / name / "session_log"
+        sources.mkdir(parents=True)
+        (sources / "package.xml").write_text("<package/>")
+        assert metadata.code_facts(sources)["commit"] == (built or "unknown")
+
+
+@pytest.mark.parametrize("installed", [True, False])
+def test_an_install_space_has_no_repository_even_where_one_tracks_it(kept, monkeypatch, installed):
+    monkeypatch.setenv("VOICE_ASSIST_COMMIT", "abc123")
+    monkeypatch.setattr(recorder_node, "package_folder", lambda name: kept)
+    monkeypatch.setattr(recorder_node, "repository", lambda name: None if installed else kept)
+    recorded = {}
+    recorder = SimpleNamespace(add_metadata=recorded.__setitem__)
+    recorder_node.add_facts(recorder, SimpleNamespace(seed=0), 0, Namespace("/"))
+    assert (recorded["code"]["commit"] == "abc123") is installed
 
 
 def test_in_an_image_the_commit_is_the_one_it_was_built_of(tmp_path, monkeypatch):

@@ -22,18 +22,21 @@ NOT_RECORDED = "# not recorded: "  # begins the text of a parameter that cannot 
 _PLAIN = (bool, int, float, str, bytes)  # what YAML holds, beside lists and mappings
 
 
-def code_facts(folder: Path) -> dict[str, str]:
-    """Name the git commit of the working tree that holds `folder`, and whether it was changed.
+def code_facts(sources: Path | None) -> dict[str, str]:
+    """Name the git commit of the repository that tracks the sources, and what was changed since.
 
-    Where there is none, as in the image, the commit is that of VOICE_ASSIST_COMMIT.
+    A repository that tracks none of them is not theirs: a whole home may be kept in git.
+    Without a repository, as in the image, the commit is that of VOICE_ASSIST_COMMIT.
     What is not known is "unknown".
+
+    Args:
+        sources: Folder of a package in its sources; None in an install space, which has none.
     """
-    commit = _git(folder, "rev-parse", "HEAD")
-    if not commit:
-        built = os.environ.get("VOICE_ASSIST_COMMIT")
-        return {"commit": built or "unknown", "changed_files": "" if built else "unknown"}
-    changed = _git(folder, "status", "--porcelain")
-    return {"commit": commit, "changed_files": "unknown" if changed is None else changed}
+    if sources and _git(sources, "ls-files") and (commit := _git(sources, "rev-parse", "HEAD")):
+        changed = _git(sources, "status", "--porcelain")
+        return {"commit": commit, "changed_files": "unknown" if changed is None else changed}
+    built = os.environ.get("VOICE_ASSIST_COMMIT")
+    return {"commit": built or "unknown", "changed_files": "" if built else "unknown"}
 
 
 def machine_facts() -> dict[str, str]:

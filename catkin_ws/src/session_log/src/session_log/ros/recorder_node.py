@@ -22,7 +22,7 @@ from session_log.recording.recorder import Recorder
 from session_log.ros.diagnostics import RecorderDiagnostics
 from session_log.ros.discovery import Discovery, TopicSubscriber
 from session_log.types import URDF_TOPIC, MessageSource
-from typed_config import load_config, package_folder, package_version
+from typed_config import load_config, package_folder, package_version, repository
 from typed_config.ros.starting import starting
 
 FACTS = "session"  # any node may put facts about itself under /session/<name>
@@ -130,8 +130,10 @@ def add_facts(
     """Record what is known from the start."""
     facts = metadata.session_facts(started, config.seed)
     recorder.add_metadata("session", {**facts, "namespace": namespace.name})
-    code = metadata.code_facts(package_folder("session_log"))
-    code["version"] = package_version("session_log")
+    package = "session_log"
+    sources = package_folder(package) if repository(package) else None
+    code = metadata.code_facts(sources)
+    code["version"] = package_version(package)
     recorder.add_metadata("code", code)
     recorder.add_metadata("machine", metadata.machine_facts())
     recorder.add_metadata("versions", metadata.version_facts())

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""record.launch gives the recorder the names of folders and sessions as they were typed."""
+
+import pytest
+
+from tests.support.argument_places import ROOT
+from tests.support.launch_reading import read
+
+NAMES = ("0012", "1.10", "true", "1e3", "0", "False", "first_trial", "o'brien 2")
+
+
+def asked(file, *words):
+    """Folder and name of the session that the recorder is asked for."""
+    found = read([str(ROOT / "launch" / file), *words]).parameters
+    return found["/recorder/folder"], found["/recorder/name"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_of_sessions_arrive_as_typed(name):
+    assert asked("record.launch", f"session:={name}") == ("", name)
+    assert asked("record.launch", f"sessions:={name}", "session:=a") == (name, "a")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_folder_arrives_as_typed_instead_of_the_two(name):
+    words = (f"folder:={name}", "sessions:=/kept", "session:=a")
+    assert asked("record.launch", *words) == (name, ".")
+
+
+def test_without_names_the_recorder_chooses():
+    assert asked("record.launch") == ("", "")
+
+
+def test_a_name_given_to_the_system_arrives_as_typed():
+    words = ("session:=1.10", "sessions:=0012")
+    assert asked("system.launch", *words) == ("0012", "1.10")
