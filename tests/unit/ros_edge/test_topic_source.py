@@ -45,9 +45,66 @@ def test_a_chunk_that_is_no_sound_is_refused_and_the_next_is_heard(source, bad, 
 
 
 def test_a_chunk_without_a_stamp_gets_that_of_its_arrival(source):
-    before = rospy.Time.now()
-    source._enqueue(chunk(stamp=0.0))
-    assert before <= source._next().header.stamp <= rospy.Time.now()
+    before = rospy.get_time()
+    source._enqueue(chunk(stamp=0.0, count=8000))
+    end = source._next().header.stamp.to_sec() + 0.5
+    assert before - 1e-6 <= end <= rospy.get_time() + 1e-6
+
+
+def clocks(monkeypatch, ends, lateness, is_wallclock=True):
+    """What is reported of the clocks as chunks come that ended so late [s]."""
+    found = []
+    config = TopicConfig(name="audio_in", lost_after=1.0)
+    source = TopicSource(config, print, print, found.append)
+    monkeypatch.setattr(rospy.rostime, "is_wallclock", lambda: is_wallclock)
+    for end, late in zip(ends, lateness, strict=True):
+        monkeypatch.setattr(topic_source.rospy, "get_time", lambda now=end + late: now)
+        source._enqueue(chunk(stamp=end - 0.032))
+    return found
+
+
+ENDS = [1000.0 + 0.032 * n for n in range(100)]  # [s] of chunks
+
+
+@pytest.mark.parametrize(
+    ("late", "words"),
+    [
+        (-1.3, "the clock of the sound's host is 1.30 s ahead, allowed 0.2 s: run chrony"),
+        (-0.25, "0.25 s ahead, allowed 0.2 s"),
+        (0.6, "the sound comes 0.60 s late, or the clock of its host is behind, allowed 0.3 s"),
+    ],
+)
+def test_a_clock_that_differs_is_named_after_a_second_in_words_that_stay(monkeypatch, late, words):
+    found = clocks(monkeypatch, ENDS, [late + 0.02 * (n % 2) for n in range(100)])
+    assert found[:30] == [""] * 30
+    assert words in found[-1] and len(set(found[35:])) == 1
+
+
+@pytest.mark.parametrize("late", [-0.15, 0.0, 0.25])
+def test_clocks_that_nearly_agree_are_no_trouble(monkeypatch, late):
+    assert set(clocks(monkeypatch, ENDS, [late] * 100)) == {""}
+
+
+def test_one_late_message_is_no_trouble_nor_a_heap_of_them_after_a_stall(monkeypatch):
+    lateness = [0.0] * 100
+    lateness[40] = 1.0
+    assert set(clocks(monkeypatch, ENDS, lateness)) == {""}
+    stalled = [max(1002.0 - end, 0.0) if end > 1000.3 else 0.0 for end in ENDS]
+    assert set(clocks(monkeypatch, ENDS, stalled)) == {""}
+
+
+def test_seldom_messages_are_not_judged_by_one_that_is_late(monkeypatch):
+    ends = [1000.0 + 3.0 * n for n in range(10)]
+    assert set(clocks(monkeypatch, ends, [0.5 * (n == 5) for n in range(10)])) == {""}
+
+
+def test_clocks_that_agree_again_are_no_trouble_any_more(monkeypatch):
+    found = clocks(monkeypatch, ENDS, [-0.5] * 40 + [0.0] * 60)
+    assert found[35] and found[-1] == ""
+
+
+def test_stamps_of_a_simulated_clock_are_not_compared(monkeypatch):
+    assert clocks(monkeypatch, ENDS, [-1e9] * 100, is_wallclock=False) == []
 
 
 def test_chunks_without_end_are_not_kept_without_end(source):

@@ -138,12 +138,26 @@ def test_a_loss_soon_after_a_stall_of_this_process_is_reported_whole(stall):
     assert lost == [pytest.approx(0.448, abs=0.04)]
 
 
-def test_after_a_silence_the_stream_begins_anew_without_a_gap():
+@pytest.mark.parametrize(("is_reported", "judging"), [(True, 0.0), (False, 1.0)])
+def test_a_silence_is_a_gap_of_its_length_with_what_is_not_heard_after_it(is_reported, judging):
     stream = UnstampedStream(CONFIG)
-    stream.inform(1, 16000, "S16LE", "wave")
-    taken(stream, 2.0)
+    if is_reported:
+        stream.inform(1, 16000, "S16LE", "wave")
+    end = 100.0 + (len(taken(stream, 2.0)) - 1) * TICK
     stream.forget()
-    assert stream.take(RAMP.tobytes(), 500.0).lost == 0.0
+    blocks = [b for b in taken(stream, 2.0, start=end + 20.0) if b != ""]
+    assert blocks[0].lost == pytest.approx(20.0 + judging, abs=0.1)
+    assert sum(block.lost for block in blocks[1:]) == 0.0
+
+
+def test_sound_that_is_refused_for_a_while_is_a_gap():
+    stream = UnstampedStream(CONFIG)
+    assert isinstance(taken(stream, 3.0)[-1], SoundBlock)
+    assert isinstance(taken(stream, 6.0, 2 * SOUND, start=103.0)[-1], str)
+    blocks = [b for b in taken(stream, 20.0, start=109.0) if isinstance(b, SoundBlock)]
+    refused = blocks[0].stamp - 103.0
+    assert sum(block.lost for block in blocks) == pytest.approx(refused, abs=3.0)
+    assert blocks[0].lost > 5.0
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ The threads of the node are the real ones; ROS, the networks and the clock are m
 import threading
 from collections import deque
 from contextlib import suppress
+from dataclasses import replace
 from importlib import import_module
 from pkgutil import extend_path
 from queue import Queue
@@ -178,8 +179,12 @@ class Room:
         """Let words come in, in no time; gives the samples that came since the beginning."""
         for frame in frames(say(words), self._next, 0.0):
             self._next = frame.next_sample
-            self.sound.put(frame)
+            self.sound.put(replace(frame, stamp=self.recognizer.clock.now - frame.duration))
         return self._next
+
+    def skip(self, samples):
+        """Lose samples of the sound that comes."""
+        self._next += samples
 
     def count(self, kind):
         return sum(entry[0] == kind for entry in list(self.seen))
@@ -319,3 +324,27 @@ def test_a_recognizer_that_crashes_stops_the_robot_at_once_and_is_named(room):
         "hear: no such number",
         HearingFault.THREAD_ENDED,
     )
+
+
+def test_gaps_that_come_often_end_the_heartbeat_until_they_are_over(room, clock):
+    for _ in range(3):
+        room.skip(512)
+        room.hear("")
+    wait_until(lambda: "torn" in room.state()[1], "the gaps are named")
+    beats = room.count("heartbeat")
+    room.more("diagnostics", 2)
+    assert room.count("heartbeat") == beats
+    assert room.state()[2] is HearingFault.TORN
+    clock.now += 1.1 * CONFIG.audio.deaf_after
+    room.hear("")
+    room.more("heartbeat", BEATS)
+
+
+def test_what_a_topic_says_of_the_clocks_ends_the_heartbeat(room):
+    room.node._config = load_voice_config(audio__source="topic")
+    room.node._source()._report_clocks("the clock of the sound's host is 1.30 s ahead")
+    room.more("diagnostics", 2)
+    beats = room.count("heartbeat")
+    room.more("diagnostics", 2)
+    assert room.count("heartbeat") == beats
+    assert room.state()[2] is HearingFault.CLOCKS

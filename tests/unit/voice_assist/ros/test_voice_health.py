@@ -4,15 +4,22 @@
 from importlib import import_module
 from pkgutil import extend_path
 
+import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 
 import voice_assist
-from voice_assist.types import HearingFault
+from tests.unit.voice_assist.support.fake_pipeline import commands, make, run
+from tests.unit.voice_assist.support.fake_speech import frames, say
+from voice_assist.types import HearingFault, Lost
 
 voice_assist.__path__ = extend_path(voice_assist.__path__, voice_assist.__name__)
 diagnostics = import_module("voice_assist.ros.diagnostics")
 
 LIMIT = 0.5  # [s]
+
+
+def healthy(source="none", **health):
+    return diagnostics.VoiceHealth("none", source, 60, trouble="", **health)
 
 
 def told(now, **health):
@@ -35,6 +42,90 @@ def test_fresh_sound_is_listening_and_old_or_late_sound_is_an_error():
     for late in ({"frame_done": 9.4}, {"frame_done": 9.9, "behind": 0.6}):
         level, _, fault = told(10.0, trouble="", **late)
         assert level == DiagnosticStatus.ERROR and fault is HearingFault.SLOW
+
+
+@pytest.mark.parametrize(("behind", "hears"), [(-0.4, True), (-0.6, False), (0.6, False)])
+def test_sound_that_is_stamped_ahead_counts_as_much_as_late_sound(behind, hears):
+    health = healthy(frame_done=10.0, behind=behind)
+    assert health.would_hear(10.1, LIMIT) is hears
+
+
+def test_sound_that_is_stamped_ahead_is_named_and_not_called_slow():
+    level, words, fault = told(10.0, trouble="", frame_done=9.9, behind=-8.0)
+    assert level == DiagnosticStatus.ERROR and fault is HearingFault.CLOCKS
+    assert words == "the sound is stamped 8.0 s ahead, allowed 0.5 s: set the clocks"
+
+
+def test_a_recording_that_is_played_as_fast_as_can_be_is_ahead_of_the_clock_and_heard():
+    health = healthy(source="wav", frame_done=10.0, behind=-50.0)
+    assert health.would_hear(10.1, LIMIT)
+
+
+def test_clocks_that_differ_end_the_heartbeat_and_are_named_until_they_agree():
+    health = healthy(frame_done=10.0)
+    health.note_clocks("1.3 s ahead")
+    assert not health.would_hear(10.1, LIMIT)
+    error = DiagnosticStatus.ERROR, "1.3 s ahead", HearingFault.CLOCKS
+    assert diagnostics._summary(health, 10.1, LIMIT) == error
+    health.note_clocks("")
+    assert health.would_hear(10.1, LIMIT)
+
+
+def torn(sound, deaf_after=1.5):
+    """Health after sound with gaps, its events, and when the last gap was noticed [s]."""
+    pipeline, clock = make()
+    health, events, last = healthy(), [], None
+    for frame in sound:
+        found = run(pipeline, clock, [frame])
+        health.frame_done = clock.now
+        for event in found:
+            if isinstance(event, Lost):
+                health.note_gap(event.samples, clock.now, deaf_after)
+                last = clock.now
+        events += found
+    return health, events, last
+
+
+def test_sound_with_a_gap_every_quarter_second_takes_no_stop_and_is_named():
+    whole = frames(say("stop 0.8 stop 0.8 stop 0.8"))
+    assert "stop" in commands(run(*make(), whole))
+    health, events, last = torn([f for n, f in enumerate(whole) if n % 8])
+    assert commands(events) == []
+    assert not health.would_hear(last, 1.5)
+    level, words, fault = diagnostics._summary(health, last, 1.5)
+    assert level == DiagnosticStatus.ERROR and fault is HearingFault.TORN
+    assert words.startswith("the sound is torn, 3 gaps within 0.5 s, allowed 2 within 2 s")
+    health.frame_done = last + 1.6
+    assert not health.would_hear(last + 1.4, 1.5)
+    assert health.would_hear(last + 1.6, 1.5)
+
+
+@pytest.mark.parametrize("gaps", [(), (30,), (30, 40)])
+def test_one_gap_or_two_are_no_torn_sound(gaps):
+    health, _, _ = torn([f for n, f in enumerate(frames(say("stop 0.8"))) if n not in gaps])
+    assert health.lost == 512 * len(gaps)
+    assert health.would_hear(health.frame_done, 1.5)
+
+
+def test_gaps_that_leave_room_for_a_stop_are_no_torn_sound():
+    health = healthy()
+    for moment in (10.0, 11.5, 13.0, 14.5):
+        health.note_gap(512, moment, 1.5)
+        assert not health.is_torn(moment, 1.5)
+
+
+def test_one_gap_after_the_clock_was_set_back_is_no_torn_sound():
+    health = healthy()
+    for moment in (1000.0, 1005.0, 10.0):
+        health.note_gap(512, moment, 1.5)
+    assert not health.is_torn(10.0, 1.5)
+
+
+def test_torn_sound_stays_torn_until_no_gap_has_come_for_long_enough():
+    health = healthy()
+    for moment in (10.0, 10.5, 11.0, 12.4, 13.8):  # the last come seldom
+        health.note_gap(512, moment, 1.5)
+    assert health.is_torn(15.2, 1.5) and not health.is_torn(15.4, 1.5)
 
 
 def test_what_is_said_of_one_microphone_is_not_said_of_the_next():

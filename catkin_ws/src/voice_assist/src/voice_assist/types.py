@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 RATE = 16_000  # [Hz] of all sound inside the package
+LONGEST = 10.0  # [s] that a recogniser hears; of longer sound, the last part
 FULL_SCALE = 32767  # of 16-bit sound
 
 Samples = NDArray[np.float32]
@@ -114,6 +115,8 @@ class HearingFault(Enum):
     NO_SOUND_YET = "no_sound_yet"
     MUTED = "microphone_muted"
     OVERLOADED = "microphone_overloaded"
+    TORN = "sound_torn"
+    CLOCKS = "clocks_apart"
     SLOW = "recognition_slow"
     HANGS = "recognition_hangs"
     SPOTTER_FAILED = "spotter_failed"  # the recogniser still hears one

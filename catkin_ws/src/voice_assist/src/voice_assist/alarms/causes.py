@@ -167,6 +167,8 @@ PARTS: Final = {  # by a part and the code of its status; else by the code, or b
     "voice: silent": Advice("Stop by hand meanwhile; start the voice node again."),
     "voice: microphone_muted": Advice("Stop by hand meanwhile; switch the microphone on."),
     "voice: microphone_overloaded": Advice("Stop by hand meanwhile; turn noise or gain down."),
+    "voice: sound_torn": Advice("Stop by hand meanwhile; check the microphone's cable or network."),
+    "voice: clocks_apart": Advice("Stop by hand meanwhile; set the clocks of both hosts."),
     "voice": Advice("Stop by hand meanwhile; check the microphone."),
     "controller: silent": Advice("Free the tissue by hand; start the controller again."),
     "pedal": _mild("Check the pedal and its cable; stop by hand or voice meanwhile."),

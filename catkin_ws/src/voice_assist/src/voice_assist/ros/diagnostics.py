@@ -15,6 +15,12 @@ from voice_assist.types import HearingFault
 _SMOOTHING = 0.02  # per frame: what is smoothed follows within about 2 s
 CLIPPED = 0.01  # [share] of the sound at full scale from which it is worth a warning
 
+# Each gap drops the word in progress: a "stop" and the pause after it must fit between two gaps.
+# Ten synthetic ones were said to the real networks at moments spread between gaps of 32 ms. Every
+# 0.3 s, none was taken; every 1.0 s, 6; from 1.5 s on, 9.
+TORN_GAPS = 3  # gaps; two alone are a chance
+TORN_WITHIN = 2.0  # [s] from the first to the last of them
+
 
 @dataclass
 class VoiceHealth:
@@ -27,6 +33,7 @@ class VoiceHealth:
     trouble: str = "starting"  # with the source of sound
     trouble_fault: HearingFault = HearingFault.NO_SOUND
     remark: str = ""  # what a person should know of the sound; no trouble
+    clocks: str = ""  # how the stamps of the sound differ from this host's clock
     failure: str = ""  # a thread ended by an error
     hang: str = ""  # recognition has been at one frame for too long
     slowest: float = 0.0  # [s] on one frame so far
@@ -39,6 +46,9 @@ class VoiceHealth:
     queued: int = 0  # frames
     dropped: int = 0  # frames
     lost: int = 0  # samples
+    torn: str = ""  # what was wrong when gaps last came too often
+    torn_at: float = float("-inf")  # [s] of the last gap of these
+    gaps: tuple[float, ...] = ()  # [s] when the last TORN_GAPS of them were noticed
     real_time_factor: float = 0.0
     frame_done: float = float("-inf")  # [s] when the last frame was worked off
     behind: float = 0.0  # [s] of that frame then
@@ -64,6 +74,35 @@ class VoiceHealth:
             rospy.logwarn("%s", words)
         self.remark = words or self.remark
 
+    def note_clocks(self, words: str) -> None:
+        """Note how the stamps differ from this host's clock, and log when it begins and ends."""
+        before, self.clocks = self.clocks, words
+        if words and words != before:
+            rospy.logerr("%s", words)
+        elif before and not words:
+            rospy.loginfo("the stamps of the sound are right again")
+
+    def note_gap(self, samples: int, now: float, deaf_after: float) -> None:
+        """Note a gap in the sound, and log it once when they come too often.
+
+        Args:
+            samples: That were lost.
+            now: Clock time [s].
+            deaf_after: Without a gap, after which a stop would be heard again [s].
+        """
+        was_torn = self.is_torn(now, deaf_after)
+        self.lost += samples
+        self.gaps = (*self.gaps, now)[-TORN_GAPS:]
+        span = now - self.gaps[0]
+        is_often = len(self.gaps) == TORN_GAPS and 0.0 <= span <= TORN_WITHIN
+        if is_often and not was_torn:
+            allowed = f"allowed {TORN_GAPS - 1} within {TORN_WITHIN:g} s"
+            found = f"{TORN_GAPS} gaps within {span:.1f} s, {allowed}"
+            self.torn = f"the sound is torn, {found}: a spoken stop is not heard"
+            rospy.logerr("%s", self.torn)
+        if is_often or was_torn:
+            self.torn_at = now
+
     def sounded(self, level: float, clipped: float) -> None:
         """Note level [dB] and clipped share [0, 1] of one frame."""
         self.level = level
@@ -81,8 +120,18 @@ class VoiceHealth:
 
     def would_hear(self, now: float, deaf_after: float) -> bool:
         """Whether a spoken stop would be heard in time."""
-        is_fresh = now - self.frame_done < deaf_after and self.behind < deaf_after
-        return is_fresh and not (self.trouble or self.failure or self.hang)
+        is_hearing = self.is_fresh(now, deaf_after) and not self.is_torn(now, deaf_after)
+        return is_hearing and not (self.trouble or self.clocks or self.failure or self.hang)
+
+    def is_fresh(self, now: float, deaf_after: float) -> bool:
+        """Whether sound was worked off recently, and is stamped with about its time."""
+        # a recording that is played faster is ahead of every clock
+        apart = self.behind if self.source == "wav" else abs(self.behind)
+        return now - self.frame_done < deaf_after and apart < deaf_after
+
+    def is_torn(self, now: float, deaf_after: float) -> bool:
+        """Whether gaps came too often for a stop, and one came recently."""
+        return 0.0 <= now - self.torn_at < deaf_after
 
 
 class VoiceDiagnostics:
@@ -133,12 +182,15 @@ def _summary(
         return error, health.trouble, health.trouble_fault
     if health.hang:
         return error, health.hang, HearingFault.HANGS
+    if health.clocks:
+        return error, health.clocks, HearingFault.CLOCKS
     if not health.has_heard:
         words = "no sound has come yet: a spoken stop is not heard"
         return error, words, HearingFault.NO_SOUND_YET
-    if not health.would_hear(now, deaf_after):
-        words = "recognition does not keep up: a spoken stop is not heard"
-        return error, words, HearingFault.SLOW
+    if not health.is_fresh(now, deaf_after):
+        return _stale(health, deaf_after)
+    if health.is_torn(now, deaf_after):
+        return error, health.torn, HearingFault.TORN
     if health.spotter_failure:
         return error, health.spotter_failure, HearingFault.SPOTTER_FAILED
     if health.controller:
@@ -151,3 +203,11 @@ def _summary(
     if health.remark:
         return warning, health.remark, None
     return DiagnosticStatus.OK, "listening", None
+
+
+def _stale(health: VoiceHealth, deaf_after: float) -> tuple[int, str, HearingFault | None]:
+    if health.behind <= -deaf_after and health.source != "wav":
+        ahead = f"the sound is stamped {-health.behind:.1f} s ahead, allowed {deaf_after:g} s"
+        return DiagnosticStatus.ERROR, f"{ahead}: set the clocks", HearingFault.CLOCKS
+    words = "recognition does not keep up: a spoken stop is not heard"
+    return DiagnosticStatus.ERROR, words, HearingFault.SLOW

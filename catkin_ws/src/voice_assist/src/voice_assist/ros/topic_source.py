@@ -9,6 +9,7 @@ from queue import Empty, Full, Queue
 
 import rospy
 
+from voice_assist.audio.capture.stamp_check import StampCheck
 from voice_assist.audio.resample import Resampler
 from voice_assist.audio.source import Framer, Report
 from voice_assist.config import TopicConfig
@@ -30,17 +31,26 @@ class TopicSource:
 
     remark = ""  # the sound of a topic has one channel
 
-    def __init__(self, config: TopicConfig, report: Report, subscribe: Subscribe) -> None:
+    def __init__(
+        self,
+        config: TopicConfig,
+        report: Report,
+        subscribe: Subscribe,
+        report_clocks: Report | None = None,
+    ) -> None:
         """Remember the topic.
 
         Args:
             config: Its name, and when it counts as silent.
             report: Called with what is wrong; with an empty text when all is well again.
             subscribe: Makes the subscriber, which takes the sound of believed nodes only.
+            report_clocks: Called with how the stamps differ from this host's clock; with an empty
+                text when they do not. None: the time of the sound does not matter.
         """
         self._config, self._report, self._subscribe = config, report, subscribe
         self._queue: Queue[AudioChunk | str] = Queue(_QUEUE)  # a text: why a chunk is not heard
         self._subscriber: rospy.Subscriber | None = None
+        self._report_clocks, self._check_stamp = report_clocks, StampCheck()
 
     def __enter__(self) -> TopicSource:
         """Subscribe."""
@@ -53,11 +63,24 @@ class TopicSource:
             self._subscriber.unregister()
 
     def _enqueue(self, chunk: AudioChunk) -> None:
-        if chunk.header.stamp.is_zero():  # left out: the time at which it came is near enough
-            chunk.header.stamp = rospy.Time.now()
+        duration = len(chunk.samples) / max(chunk.rate, 1)
+        is_stamped = not chunk.header.stamp.is_zero()
+        if not is_stamped:  # the time at which it ended is that at which it came, near enough
+            chunk.header.stamp = rospy.Time.from_sec(max(rospy.get_time() - duration, 0.0))
         chunk.samples = pcm(chunk)  # 2 bytes each while it waits, not 36
+        trouble = _trouble(chunk)
+        if is_stamped and not trouble:
+            self._compare(chunk.header.stamp.to_sec() + duration)
         with suppress(Full):  # the reader notices the jump of first_sample
-            self._queue.put_nowait(_trouble(chunk) or chunk)
+            self._queue.put_nowait(trouble or chunk)
+
+    def _compare(self, end: float) -> None:
+        """Compare the end of a chunk with this host's clock [s].
+
+        A simulated clock is left out: it may be faster than the sound, or slower.
+        """
+        if self._report_clocks is not None and rospy.rostime.is_wallclock():
+            self._report_clocks(self._check_stamp(end, rospy.get_time()))
 
     def __iter__(self) -> Iterator[Frame]:
         """Frames as they come; a jump of first_sample is kept as a gap."""

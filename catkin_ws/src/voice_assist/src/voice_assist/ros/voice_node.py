@@ -171,7 +171,7 @@ class VoiceNode:
         config, report = self._config.audio, self._health.note_trouble
         hear = partial(self._known.hear, "audio")
         if config.source == "topic":
-            return TopicSource(config.topic, report, hear)
+            return TopicSource(config.topic, report, hear, self._health.note_clocks)
         if config.source == "audio_data":
             return AudioDataSource(config.audio_data, report, hear)
         return make_source(config, _now, self._over.wait, report)
@@ -207,7 +207,7 @@ class VoiceNode:
         elif isinstance(event, Partial):
             self._publish.partial(event)
         elif isinstance(event, Lost):
-            self._health.lost += event.samples
+            self._health.note_gap(event.samples, _now(), self._config.audio.deaf_after)
             rospy.logwarn("%d samples of sound were lost", event.samples)
 
     def _load_spotter(self) -> Spotting:

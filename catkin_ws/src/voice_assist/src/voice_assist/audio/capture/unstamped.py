@@ -47,10 +47,11 @@ class UnstampedStream:
         self._type = np.dtype(TYPES[config.sample_format])
         self._wrong_info = ""
         self._is_confirmed = False
+        self._heard: float | None = None  # [s] clock time at which the last block was given
         self.forget()
 
     def forget(self) -> None:
-        """Begin anew, as after a silence."""
+        """Judge the format anew, as after a silence; what is missing until then stays a gap."""
         self._end: float | None = None  # [s] of the last sample
         self._arrived = 0.0  # [s] of the last message
         self._since, self._came = 0.0, 0.0  # [s] from when on is judged, sound since
@@ -84,6 +85,10 @@ class UnstampedStream:
                 return trouble
             if not self._is_judged:
                 return ""
+        if self._heard is not None:
+            pause = now - duration - self._heard
+            lost = max(lost, pause if pause > GAP else 0.0)
+        self._heard = now
         return SoundBlock(_as_sound(samples), now - duration, lost)
 
     def _malformed(self, data: bytes) -> str:
