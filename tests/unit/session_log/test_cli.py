@@ -118,6 +118,21 @@ def test_recover_writes_beside_the_recording_and_never_over_anything(story, tmp_
     assert code == 1 and "it exists already" in err
 
 
+@pytest.mark.parametrize("content", [b"", b"x" * 5000])
+def test_recover_of_what_is_no_recording_writes_nothing(tmp_path, capsys, content):
+    path = tmp_path / "s.mcap"
+    path.write_bytes(content)
+    code, out, err = run(capsys, "recover", path)
+    assert (code, out) == (1, "") and list(tmp_path.iterdir()) == [path]
+    assert err == f"session_log: {path}: holds no readable message; nothing was written\n"
+
+
+def test_recover_keeps_what_is_known_of_a_session_without_messages(tmp_path, capsys):
+    recording_of(tmp_path / "s.mcap", metadata={"session": {"seed": "7"}})
+    assert run(capsys, "recover", tmp_path / "s.mcap")[0] == 0
+    assert "seed: 7" in run(capsys, "info", tmp_path / "s_recovered.mcap")[1]
+
+
 def test_export_gives_tables_and_the_sound(story, tmp_path, capsys):
     code, out, _ = run(capsys, "export", story[0], "--out", tmp_path)
     assert code == 0 and "0 lost" in out
@@ -132,8 +147,10 @@ def test_export_gives_tables_and_the_sound(story, tmp_path, capsys):
 
 
 def test_export_of_a_topic_that_was_not_recorded_says_so(story, tmp_path, capsys):
-    code, out, _ = run(capsys, "export", story[0], "--out", tmp_path, "--topic", "/none")
-    assert code == 0 and "/none: nothing recorded" in out
+    topics = ("--topic", "/none", "--topic", "/rst_control/event")
+    code, out, _ = run(capsys, "export", story[0], "--out", tmp_path, *topics)
+    assert code == 1 and "/none: nothing recorded" in out
+    assert (tmp_path / "rst_control_event.csv").is_file()
 
 
 def test_export_takes_a_topic_without_its_leading_slash(story, tmp_path, capsys):
@@ -147,7 +164,7 @@ def test_export_takes_a_topic_without_its_leading_slash(story, tmp_path, capsys)
 def test_export_says_why_a_recorded_topic_has_no_table(tmp_path, capsys):
     path = write_foreign(tmp_path / "s.mcap")
     code, out, _ = run(capsys, "export", path, "--out", tmp_path, "--topic", "/t")
-    assert code == 0 and "nothing recorded" not in out
+    assert code == 1 and "nothing recorded" not in out
     assert "1 messages do not fit their definition\n/t: not a std_msgs/String: recorded as" in out
 
 
@@ -227,6 +244,12 @@ def test_a_wrong_key_in_the_settings_is_named(story, tmp_path, capsys):
 def test_a_report_by_no_process_names_what_is_allowed(capsys):
     code, _, error = run(capsys, "report", "session", "--jobs", "0")
     assert code == 2 and "'0', allowed: a whole number from 1" in error
+
+
+def test_a_cluster_is_of_no_use_for_one_session(story, capsys):
+    code, _, err = run(capsys, "report", story[0], "--cluster", "nohost")
+    words = f"--cluster needs a folder of sessions, {story[0]} is one session"
+    assert (code, err) == (1, f"session_log: {words}\n")
 
 
 @pytest.mark.parametrize("time", ["-1", "soon", "nan", "inf"])

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from session_log.cli import main as session_log
-from typed_config import ConfigError, count_option, number_option, run_command
+from typed_config import ConfigError, check_writable, count_option, number_option, run_command
 from voice_assist.cli.main import main as voice_assist
 
 PROGRAMS = {"voice_assist": (voice_assist, "evaluate"), "session_log": (session_log, "replay")}
@@ -92,20 +92,25 @@ def test_an_error_that_nobody_foresaw_keeps_its_traceback():
         run_command(raising(ArithmeticError()), "name", (ConfigError,), failed=7)
 
 
+def program_of(act):
+    """A command line that does `act`, and what it needs of the environment."""
+    program = (
+        "import sys; from typed_config import run_command; "
+        f"sys.exit(run_command(lambda: {act}, 'name', (), failed=7))"
+    )
+    paths = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    return (sys.executable, "-c", program), paths
+
+
+@pytest.mark.parametrize("act", ["print('x' * 100_000)", "sys.exit(print('x' * 100))"])
 @pytest.mark.parametrize(
     ("output", "words"),
     [("/dev/full", "name: the output: No space left on device\n"), (None, "")],
 )
-def test_output_that_cannot_be_written_is_said_and_that_nobody_reads_is_not(output, words):
-    program = (
-        "import sys; from typed_config import run_command; "
-        "sys.exit(run_command(lambda: print('x' * 100_000), 'name', (), failed=7))"
-    )
+def test_output_that_cannot_be_written_is_said_and_that_nobody_reads_is_not(output, words, act):
+    program, paths = program_of(act)
     sink = os.open(output, os.O_WRONLY) if output else subprocess.PIPE
-    paths = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    command = subprocess.Popen(
-        (sys.executable, "-c", program), stdout=sink, stderr=subprocess.PIPE, text=True, env=paths
-    )
+    command = subprocess.Popen(program, stdout=sink, stderr=subprocess.PIPE, text=True, env=paths)
     if command.stdout is None:
         os.close(sink)
     else:
@@ -113,3 +118,39 @@ def test_output_that_cannot_be_written_is_said_and_that_nobody_reads_is_not(outp
     with command:
         assert command.stderr.read() == words
     assert command.returncode == 7
+
+
+@pytest.mark.parametrize("act", ["print('x')", "sys.exit(print('x'))"])
+def test_a_closed_output_is_a_quiet_end(act):
+    program, paths = program_of(act)
+    closed = ("bash", "-c", 'exec "$@" >&-', "bash", *program)
+    done = subprocess.run(closed, stderr=subprocess.PIPE, env=paths)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+def test_a_letter_that_the_output_lacks_is_written_by_its_number():
+    program, paths = program_of("print('\u505c')")
+    ascii_only = {**paths, "PYTHONIOENCODING": "ascii"}
+    assert subprocess.check_output(program, env=ascii_only) == b"\\u505c\n"
+
+
+@pytest.mark.parametrize(
+    ("module", "status"), [("voice_assist.cli.main", 2), ("session_log.cli", 1)]
+)
+def test_a_version_that_cannot_be_written_is_said(module, status):
+    paths = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    words = (sys.executable, "-m", module, "--version")
+    with open("/dev/full", "w") as full:  # noqa: PTH123 - a device
+        done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, env=paths)
+    assert done.returncode == status and done.stderr.count("\n") == 1
+    assert done.stderr.endswith(": the output: No space left on device\n")
+
+
+def test_a_place_to_write_is_tried_and_left_as_it_was(tmp_path):
+    check_writable(tmp_path / "new" / "out.json")
+    assert list((tmp_path / "new").iterdir()) == []
+    (tmp_path / "kept").write_text("kept", encoding="utf-8")
+    check_writable(tmp_path / "kept")
+    assert (tmp_path / "kept").read_text("utf-8") == "kept"
+    with pytest.raises(NotADirectoryError):
+        check_writable(tmp_path / "kept" / "out.json")

@@ -200,6 +200,22 @@ def test_the_former_key_of_the_pipeline_is_refused_with_its_present_name(tmp_pat
     assert "its name is now pipeline" in refusal(ordinary(tmp_path / "session.mcap"))
 
 
+@pytest.mark.parametrize(
+    ("out", "words"),
+    [("file/out.json", "Not a directory"), ("session.mcap", "it is a recording")],
+)
+def test_a_place_for_the_differences_is_tried_before_a_word_is_heard(
+    tmp_path, config, capsys, out, words
+):
+    path = ordinary(tmp_path / "session.mcap")
+    before = path.read_bytes()
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(SystemExit) as end:
+        main(["replay", str(path), "--config", str(config), "--json", str(tmp_path / out)])
+    assert end.value.code == 2 and MADE == [] and path.read_bytes() == before
+    assert capsys.readouterr().err == f"session_log: cannot write {tmp_path / out}: {words}\n"
+
+
 # --- models
 
 

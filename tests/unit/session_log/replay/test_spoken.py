@@ -67,3 +67,6 @@ def test_an_utterance_without_any_sound_is_left_out(tmp_path):
 def test_what_is_no_session_is_refused(tmp_path):
     with pytest.raises(SessionLogError):
         spoken(tmp_path)
+    (tmp_path / "bin.mcap").write_bytes(b"x" * 5000)
+    with pytest.raises(SessionLogError, match=r"bin\.mcap: holds no readable message"):
+        spoken(tmp_path / "bin.mcap")

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Notes beside a recording."""
 
+import shutil
+
 import pytest
 
 from session_log.cli import main
@@ -27,3 +29,35 @@ def test_a_moment_that_is_none_is_refused(story, moment, capsys):
     with pytest.raises(SystemExit) as ended:
         main(["note", str(story[0]), "a", "cough", "--at", moment])
     assert ended.value.code == 2 and "--at" in capsys.readouterr().err
+
+
+@pytest.fixture
+def noted(story, tmp_path, capsys):
+    """Writes a note on the story, or on the first bytes of it; gives status and what is said."""
+
+    def run(*words, size=None):
+        recording = shutil.copy(story[0], tmp_path / "session.mcap")
+        recording.write_bytes(recording.read_bytes()[:size])
+        with pytest.raises(SystemExit) as ended:
+            main(["note", str(recording), *words])
+        return ended.value.code, capsys.readouterr().err, read_notes(recording)
+
+    return run
+
+
+def test_a_moment_after_the_end_is_refused_with_the_length(noted):
+    code, error, notes = noted("a cough", "--at", "48")
+    assert (code, notes) == (1, ())
+    assert error == (
+        "session_log: --at is 48.0, allowed: 0 to 47.0 s, the length of the recording\n"
+    )
+    assert noted("a cough", "--at", "47") == (0, "", (Note("a cough", 47.0),))
+
+
+def test_a_recording_that_was_not_closed_may_go_on(noted):
+    assert noted("a cough", "--at", "48", size=-5000) == (0, "", (Note("a cough", 48.0),))
+
+
+@pytest.mark.parametrize("words", [[""], [" ", "\n"]])
+def test_an_empty_note_is_refused(noted, words):
+    assert noted(*words) == (1, "session_log: the note is empty; nothing was written\n", ())

@@ -210,6 +210,22 @@ def test_more_jobs_without_dask_say_what_to_install(monkeypatch):
         list(run_parallel(abs, [1], jobs=2))
 
 
+@pytest.mark.usefixtures("without_figures")
+def test_no_more_processes_than_recordings_are_started(
+    sessions, tmp_path, report_config, monkeypatch
+):
+    started = []
+
+    def run(work, tasks, jobs, cluster):
+        started.append(jobs)
+        return map(work, tasks)
+
+    monkeypatch.setattr(many_sessions, "run_parallel", run)
+    ways = {"with_pages": False, "jobs": 1_000_000}
+    assert write_folder_report([sessions], tmp_path / "o", report_config, **ways).sessions == 3
+    assert started == [4]
+
+
 @pytest.mark.parametrize("address", ["127.0.0.1:1", "nonsense://x"])
 def test_a_cluster_that_is_not_there_is_named(monkeypatch, address):
     pytest.importorskip("distributed")

@@ -241,7 +241,10 @@ def test_the_command_writes_sounds(tmp_path, capsys):
     ("arguments", "problem"),
     [
         (["alarms", "--play", "gong"], "invalid choice"),
-        (["alarms", "--write-wav", "/dev/null/x"], "cannot be written"),
+        (["alarms", "--write-wav", "/dev/null/x"], "/dev/null/x: cannot be written (Not a dir"),
+        (["alarms", "--write-wav", "/dev/null"], "/dev/null: cannot be written, it is a file"),
+        (["alarms", "--markdown", "--write-wav", "x"], "leave out --play and --write-wav"),
+        (["alarms", "--markdown", "--play"], "leave out --play and --write-wav"),
         (["--config", "nowhere", "alarms"], "alarms.yaml"),
     ],
 )

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`enroll` and `profiles` look where the nodes look: option, profile.yaml, environment."""
 
+import io
 import shutil
 
 import pytest
 
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer
 from voice_assist.cli import enroll as enroll_module
 from voice_assist.cli.main import main
 from voice_assist.config import CONFIG_DIR
@@ -64,3 +66,38 @@ def test_a_voice_is_learned_where_the_nodes_look(profiles, config, place, monkey
     with pytest.raises(SystemExit):
         main([*before, "enroll", "bob", *after])
     assert enroll_module.profiles_folder(asked[0].folder) == profiles / place
+
+
+def refused(capsys, *words):
+    """What is printed and what is wrong; the exit status is 2."""
+    with pytest.raises(SystemExit) as ended:
+        main([str(word) for word in words])
+    assert ended.value.code == 2
+    return capsys.readouterr()
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("nobody", "no profile 'nobody' in {}, there: set"), ("../x", "profile name is '../x'")],
+)
+def test_nothing_is_asked_about_a_profile_that_is_not_there(profiles, capsys, name, words):
+    folder = profiles / "set"
+    shown = refused(capsys, "profiles", "delete", name, "--profiles", folder)
+    assert shown.out == "" and words.format(folder) in shown.err
+
+
+def test_a_question_without_an_answer_deletes_nothing(profiles, capsys, monkeypatch):
+    monkeypatch.setattr("sys.stdin", io.StringIO(""))
+    folder = profiles / "set"
+    shown = refused(capsys, "profiles", "delete", "set", "--profiles", folder)
+    words = "no answer; nothing was deleted (--yes deletes without a question)"
+    assert shown.err == f"voice_assist profiles: {words}\n"
+    open_profile("set", folder)
+
+
+@pytest.mark.parametrize("verb", [["profiles", "list"], ["enroll", "ada"]])
+def test_a_file_is_no_folder_of_profiles(tmp_path, capsys, monkeypatch, verb):
+    monkeypatch.setattr("voice_assist.recognizer.load_recognizer", FakeRecognizer)
+    (tmp_path / "file").write_text("")
+    shown = refused(capsys, *verb, "--profiles", tmp_path / "file")
+    assert f"profiles in '{tmp_path / 'file'}': it is no folder; allowed" in shown.err

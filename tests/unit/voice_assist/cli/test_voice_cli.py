@@ -68,7 +68,10 @@ def test_phrases_of_another_language_are_printed_as_they_are_written(capsys):
         (["listen", "--wav", "none.wav", "--model", "none.pt"], "none.wav: no such file"),
         (["listen", "--model", "none.pt"], "none.pt"),
         (["enroll", "ada", "--from-wavs", "nowhere"], "nowhere: no such folder"),
+        (["enroll", "ada", "--corrections", "c.csv"], "--corrections needs --from-session"),
         (["profiles", "show", "--profiles", "nowhere"], "needs the name of a profile"),
+        (["listen", "--profile", "../x"], "listen: profile.name is '../x', allowed: up to 40"),
+        (["convert-model", "/dev/null", "--out", "x"], "/dev/null: empty, and no Whisper model"),
     ],
 )
 def test_wrong_arguments_end_with_2_and_say_why(arguments, problem, capsys):

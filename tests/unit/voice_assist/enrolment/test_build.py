@@ -93,7 +93,7 @@ def test_with_the_profile_commands_are_taken_and_talk_does_nothing(
     profile: VoiceProfile, voice: VoiceConfig, base: EmbeddedRecognizer
 ) -> None:
     in_force = dataclasses.replace(voice, profile=dataclasses.replace(voice.profile, name="ada"))
-    personal = personalise(in_force.profile, base)
+    personal = personalise(in_force, base)
     assert isinstance(personal, PersonalRecognizer)
     ear = PipelineProbe(in_force, personal)
     said = {phrase: ear(spoken(phrase, 1.05)).taken for phrase in voice.commands.phrases}
@@ -117,8 +117,9 @@ def test_a_profile_of_wrong_words_is_refused_and_names_them(
     assert swapped.manifest.state == REFUSED
     assert swapped.manifest.why == problems
     assert not swapped.has("model.pt")
+    hers = dataclasses.replace(voice, profile=dataclasses.replace(voice.profile, name="eve"))
     with pytest.raises(VoiceProfileError, match="failed its own check"):
-        personalise(dataclasses.replace(voice.profile, name="eve"), base)
+        personalise(hers, base)
 
 
 def test_takes_of_a_phrase_that_is_no_command_any_more_are_left_out_with_a_note(

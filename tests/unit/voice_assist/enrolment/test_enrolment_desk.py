@@ -237,6 +237,8 @@ def test_corrected_utterances_become_takes_once(tmp_path: Path, reader: str) -> 
         ("number,said\n1,\n5,stop\n", "row 3: number '5', allowed: 1 to 4"),
         ("number,said\none,stop\n", "row 2: number 'one', allowed: 1 to 4"),
         ("number,heard\n1,stop\n", "no column 'said'; columns are: number, heard"),
+        ("number,said\n", "said.csv: the column said is empty; write a command or talk there"),
+        ("number,said\n1,\n", "said.csv: the column said is empty"),
     ],
 )
 def test_a_correction_that_cannot_be_used_is_refused(
@@ -246,6 +248,25 @@ def test_a_correction_that_cannot_be_used_is_refused(
     path.write_text(lines)
     with pytest.raises(ManifestError, match=words):
         read_takes(tmp_path / "session.mcap", path, PHRASES, reader)
+
+
+def test_a_file_of_corrections_that_exists_is_kept_and_named(
+    tmp_path: Path, reader: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("corrections.csv").write_text("kept")
+    with pytest.raises(ManifestError, match=r"corrections.csv exists already; name it or another"):
+        read_takes(tmp_path / "session.mcap", None, PHRASES, reader)
+    assert Path("corrections.csv").read_text() == "kept"
+
+
+def test_a_session_in_which_nothing_was_said_leaves_no_file(
+    tmp_path: Path, reader: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fake_sessions.read", lambda path: [])
+    with pytest.raises(ManifestError, match=r"no utterance with its sound .* nothing was written"):
+        read_takes(tmp_path / "session.mcap", tmp_path / "said.csv", PHRASES, reader)
+    assert not (tmp_path / "said.csv").exists()
 
 
 @pytest.mark.parametrize("name", ["nowhere:read", "json:nothing", "json"])

@@ -215,6 +215,23 @@ def test_a_place_that_cannot_be_written_is_named(manifest, tmp_path):
         evaluate(CONFIG, job(manifest, out=tmp_path / "file" / "out.json"))
 
 
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"out": "clips.csv"}, r"clips\.csv is the manifest, so the file of figures cannot"),
+        ({"details": "sub/../a.wav"}, r"a\.wav is the clip of row 2, so the details cannot"),
+        ({"details": "out.json"}, r"out\.json is the file of figures, so the details cannot"),
+    ],
+)
+def test_nothing_is_written_over_what_is_read_or_over_the_other_file(manifest, changes, words):
+    before = [(path, path.read_bytes()) for path in manifest.parent.iterdir()]
+    places = {name: manifest.parent / place for name, place in changes.items()}
+    with pytest.raises(ManifestError, match=words):
+        evaluate(CONFIG, job(manifest, **places))
+    assert [(path, path.read_bytes()) for path, _ in before] == before
+    assert not (manifest.parent / "out.json").exists()
+
+
 def test_a_folder_without_sound_is_no_noise(tmp_path):
     (tmp_path / "readme.txt").write_text("no sound")
     with pytest.raises(ManifestError, match="no sound files"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
@@ -12,7 +13,7 @@ from datetime import datetime
 from pathlib import Path
 
 from session_log.config import ReportConfig
-from session_log.errors import OutputFailed, SessionLogError
+from session_log.errors import OutputFailed, SessionLogError, SessionMissing
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.session_folder import RECOVERED, report_folder
 from session_log.mcap_file.summary import RecordingSummary, read_summary
@@ -26,6 +27,7 @@ from typed_config import (
     load_file,
     number_option,
     package_folder,
+    require,
     run_command,
 )
 
@@ -34,9 +36,14 @@ CONFIG = package_folder("session_log") / "config" / "report.yaml"
 
 def main(words: Sequence[str] | None = None) -> None:
     """Run the command line; exits with 0, or with 1 and what is wrong."""
-    arguments = _parser().parse_args(words)
     refusals = (SessionLogError, ConfigError)
-    sys.exit(run_command(lambda: arguments.run(arguments), "session_log", refusals, failed=1))
+    sys.exit(run_command(lambda: _run(words), "session_log", refusals, failed=1))
+
+
+def _run(words: Sequence[str] | None) -> int:
+    arguments = _parser().parse_args(words)
+    status: int = arguments.run(arguments)
+    return status
 
 
 def _info(arguments: argparse.Namespace) -> int:
@@ -56,6 +63,9 @@ def _recover(arguments: argparse.Namespace) -> int:
     if target.exists():
         raise OutputFailed(target, FileExistsError(0, "it exists already"))
     result = recover(reader, target)
+    if not (result.messages or result.condition.metadata):
+        target.unlink()
+        raise SessionMissing(reader.path, "holds no readable message; nothing was written")
     print(f"{target}: {result.messages} messages, {result.duration:.1f} s")
     for line in _losses(result):
         print(line)
@@ -76,7 +86,8 @@ def _export(arguments: argparse.Namespace) -> int:
     result = export_topics(reader, folder, wanted, topics.audio, formats)
     for path, rows in result.rows.items():
         print(f"{path}: {rows} rows")
-    for topic in sorted(set(wanted) - result.topics - result.unfit.keys()):
+    without = set(wanted) - result.topics
+    for topic in sorted(without - result.unfit.keys()):
         print(f"{topic}: nothing recorded")
     if result.sound:
         print(f"{result.sound}: {result.samples} samples, {result.lost_samples} lost")
@@ -84,13 +95,27 @@ def _export(arguments: argparse.Namespace) -> int:
         print(f"{result.undecodable} messages do not fit their definition")
         for reason in result.unfit.values():
             print(reason)
-    return 0
+    return 1 if arguments.topic and without else 0
 
 
 def _note(arguments: argparse.Namespace) -> int:
     note = Note(" ".join(arguments.words), arguments.at)
-    print(add_note(SessionReader(arguments.session).path, note))
+    reader = SessionReader(arguments.session)
+    if not note.words.strip():
+        raise SessionLogError("the note is empty; nothing was written")
+    if note.time is not None:
+        _require_within(reader, note.time)
+    print(add_note(reader.path, note))
     return 0
+
+
+def _require_within(reader: SessionReader, moment: float) -> None:
+    """Refuse a moment [s] after the end; a recording that was not closed may go on."""
+    found = read_summary(reader)
+    length = math.ceil(found.duration * 10.0) / 10.0
+    if found.condition.is_closed:
+        allowed = f"0 to {length:.1f} s, the length of the recording"
+        require(moment <= length, "--at", moment, allowed)
 
 
 def _replay(arguments: argparse.Namespace) -> int:

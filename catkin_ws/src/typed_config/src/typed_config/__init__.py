@@ -4,7 +4,13 @@
 And what else the packages share: where their files and recordings lie, versions, completion.
 """
 
-from typed_config.common_options import add_common_options, count_option, number_option, run_command
+from typed_config.common_options import (
+    add_common_options,
+    check_writable,
+    count_option,
+    number_option,
+    run_command,
+)
 from typed_config.errors import ConfigError
 from typed_config.fields import choice, flag, integer, items, number, text
 from typed_config.loader import load_config, load_file, with_present_keys
@@ -30,6 +36,7 @@ __all__ = [
     "ConfigError",
     "ResourceMissing",
     "add_common_options",
+    "check_writable",
     "choice",
     "count_option",
     "flag",

@@ -4,10 +4,13 @@
 from __future__ import annotations
 
 import argparse
+import errno
+import io
 import math
 import os
 import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, Final
 
 from typed_config.resources import package_version
@@ -53,8 +56,11 @@ def run_command(
 ) -> int:
     """Do what a command line asks for, with no traceback for what its user can do about.
 
+    A closed output takes all and keeps nothing. A letter that an output lacks is written by its
+    number.
+
     Args:
-        action: Gives the exit status; None: 0.
+        action: Gives the exit status; None: 0. It may end by SystemExit, as argparse does.
         name: Of the command, in front of what is wrong.
         refusals: Kinds of errors that say what is wrong.
         failed: Exit status after one of them, or after an error of the system.
@@ -62,22 +68,56 @@ def run_command(
     Returns:
         The exit status; 130 after Ctrl-C.
     """
+    _prepare_outputs()
     try:
-        status = action() or 0
+        try:
+            status = action() or 0
+        except SystemExit:
+            sys.stdout.flush()
+            raise
+        except refusals as error:
+            print(f"{name}: {error}", file=sys.stderr)
+            status = failed
         sys.stdout.flush()
-    except refusals as error:
-        print(f"{name}: {error}", file=sys.stderr)
-        return failed
     except KeyboardInterrupt:
         return 130
     except OSError as error:
         if not isinstance(error, BrokenPipeError):  # whose reader has gone, as `head` does
-            words = f"{error.filename or 'the output'}: {error.strerror}"
+            words = f"{error.filename or 'the output'}: {error.strerror or error}"
             print(f"{name}: {words}", file=sys.stderr)
-        # Python would try to write once more at its end
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        try:
+            sys.stdout.flush()  # what was printed before a file failed
+        except OSError:  # Python would try to write once more at its end
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return failed
     return status
+
+
+def _prepare_outputs() -> None:
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:  # closed by the caller, as `>&-` does
+            nowhere = Path(os.devnull).open("w", encoding="utf-8")  # noqa: SIM115 - open to the end
+            setattr(sys, name, nowhere)
+        elif isinstance(stream, io.TextIOWrapper) and stream.errors == "strict":
+            stream.reconfigure(errors="backslashreplace")
+
+
+def check_writable(path: Path) -> None:
+    """Find out before long work whether a file can be written; makes its folder.
+
+    Raises:
+        OSError: It cannot.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    except FileExistsError as error:
+        words = os.strerror(errno.ENOTDIR)
+        raise NotADirectoryError(errno.ENOTDIR, words, str(path.parent)) from error
+    is_new = not path.exists()
+    path.open("a", encoding="utf-8").close()
+    if is_new:
+        path.unlink()
 
 
 def number_option(low: float, high: float = math.inf, unit: str = "") -> Callable[[str], float]:

@@ -18,7 +18,13 @@ from session_log.replay.compare import Difference
 from session_log.replay.config import ReplayConfig
 from session_log.replay.pipeline_plugin import Decided, find_plugin
 from session_log.replay.replay import ReplayResult, replay
-from typed_config import ConfigError, load_file, numbered_recordings, package_folder
+from typed_config import (
+    ConfigError,
+    check_writable,
+    load_file,
+    numbered_recordings,
+    package_folder,
+)
 
 REPLAY_CONFIG = package_folder("session_log") / "config" / "replay.yaml"
 SAME, DIFFERENT, FAILED = 0, 1, 2  # exit status
@@ -36,6 +42,8 @@ def run(arguments: argparse.Namespace) -> int:
         config = load_file(ReplayConfig, arguments.config)
         paths = [named] if numbered_recordings(named) else recordings([named])
         make = find_plugin(config.pipeline)
+        if arguments.json is not None:
+            _check_out(arguments.json)
     except (SessionLogError, ConfigError) as error:
         print(f"session_log: {error}", file=sys.stderr)
         return FAILED
@@ -53,6 +61,15 @@ def run(arguments: argparse.Namespace) -> int:
     if len(paths) > 1:
         _show_total(done, len(failed))
     return _conclude(done, failed, arguments.json)
+
+
+def _check_out(out: Path) -> None:
+    if out.suffix == ".mcap" and out.exists():
+        raise OutputFailed(out, FileExistsError(0, "it is a recording"))
+    try:
+        check_writable(out)
+    except OSError as error:
+        raise OutputFailed(out, error) from error
 
 
 def _conclude(done: Sequence[ReplayResult], failed: dict[str, str], out: Path | None) -> int:

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from session_log.errors import SessionLogError
+from session_log.errors import SessionLogError, SessionMissing
 from session_log.mcap_file.decoder import Decoder, Undecodable
 from session_log.mcap_file.reader import SessionReader
 from session_log.replay.command import REPLAY_CONFIG
@@ -46,6 +46,8 @@ def spoken(path: Path) -> list[SpokenUtterance]:
     config = load_file(ReplayConfig, REPLAY_CONFIG)
     reader = SessionReader(path, tolerant=True)
     voice = read_voice(reader, config)
+    if not voice.start:
+        raise SessionMissing(reader.path, "holds no readable message")
     utterances = sorted(voice.utterances, key=lambda one: one.speech_start)
     cut = [_Window(one) for one in utterances]
     decoder = Decoder()

@@ -47,6 +47,8 @@ def run(arguments: argparse.Namespace, config: ReportConfig) -> int:
 
 def _one(path: Path, arguments: argparse.Namespace, config: ReportConfig) -> Report:
     reader = SessionReader(path)
+    if arguments.cluster:
+        raise SessionLogError(f"--cluster needs a folder of sessions, {path} is one session")
     from session_log.report.one_session import write_report
 
     out = arguments.out or report_folder(reader.path)

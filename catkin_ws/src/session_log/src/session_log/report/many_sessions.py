@@ -69,7 +69,8 @@ def write_folder_report(
         config: Settings of the report.
         beside: Keep each session's page and summary beside its recording, not below `out`.
         with_pages: Also write each session's own page.
-        jobs: Processes on this machine; more than one needs dask.distributed.
+        jobs: Processes on this machine, at most one per recording; more than one needs
+            dask.distributed.
         cluster: Address of a dask scheduler to use instead; its workers must see the same
             files under the same names. Empty for none.
         latex: Also write the tables as .tex files.
@@ -80,10 +81,10 @@ def write_folder_report(
         EngineMissing, EngineUnreachable: See `run_parallel`.
         OutputFailed: The output cannot be written.
     """
-    tasks = _tasks(recordings(inputs), None if beside else out / PAGES_FOLDER)
+    tasks = list(_tasks(recordings(inputs), None if beside else out / PAGES_FOLDER))
     pool = Pool(config)
     work = partial(_reduce, config=config, with_page=with_pages)
-    for task, found in run_parallel(work, tasks, jobs, cluster):
+    for task, found in run_parallel(work, tasks, min(jobs, len(tasks)), cluster):
         if isinstance(found, SessionSummary):
             page = task.folder / PAGE_NAME
             pool.add(task.path, page if with_pages or page.exists() else None, found)

@@ -33,9 +33,11 @@ def show_alarms(
         is_markdown: Print the tables of docs/reference/alarms.md instead.
 
     Raises:
-        AudioError: The sound cannot be played or written.
+        AudioError: The sound cannot be played or written, or is asked for beside the tables.
     """
     if is_markdown:
+        if play is not None or write is not None:
+            raise AudioError("--markdown prints tables alone: leave out --play and --write-wav")
         print(markdown())
         return
     config, console = load_file(AlarmsConfig, folder / FILE.name), Console()
@@ -60,8 +62,11 @@ def _write(folder: Path, config: AlarmsConfig, console: Console) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         paths = write_sounds(folder, config.sound.volume_db)
+    except FileExistsError as error:
+        raise AudioError(f"{folder}: cannot be written, it is a file and no folder") from error
     except (OSError, RuntimeError) as error:  # libsndfile's errors are RuntimeErrors
-        raise AudioError(f"{folder}: cannot be written ({error})") from error
+        why = getattr(error, "strerror", None) or error
+        raise AudioError(f"{folder}: cannot be written ({why})") from error
     for path in paths:
         console.print(str(path), soft_wrap=True, highlight=False)
 

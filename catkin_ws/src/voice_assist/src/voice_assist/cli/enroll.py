@@ -13,6 +13,7 @@ from rich.console import Console
 from voice_assist.config import VoiceConfig
 from voice_assist.config.commands import CommandsConfig
 from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
+from voice_assist.config.profile import require_name
 from voice_assist.enrolment.takes.checks import Checked, TakeCheck
 from voice_assist.enrolment.takes.script import (
     EnrolmentScript,
@@ -20,6 +21,7 @@ from voice_assist.enrolment.takes.script import (
     RecordedTake,
     require_letters,
 )
+from voice_assist.errors import ManifestError
 from voice_assist.intent.confusability import closest_pairs
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.profile.profile import (
@@ -116,10 +118,20 @@ def delete(name: str, folder: Path | None, sure: bool, ask: Callable[[str], str]
     """Remove a profile with all its recordings, after a question; gives the exit code.
 
     Raises:
-        VoiceProfileError: There is none of that name, or it cannot be removed.
+        ConfigError: The name cannot be used.
+        VoiceProfileError: There is none of that name, it cannot be removed, or nobody answers.
     """
     root = profiles_folder(folder)
-    if not sure and ask(f"Delete {root / name} with all its recordings? [y/N] ").lower() != "y":
+    require_name(name)
+    if not (root / name).is_dir():
+        raise _missing(name, root)
+    try:
+        is_sure = sure or ask(f"Delete {root / name} with all its recordings? [y/N] ") in ("y", "Y")
+    except EOFError as error:
+        print()  # ends the line of the question
+        words = "no answer; nothing was deleted (--yes deletes without a question)"
+        raise VoiceProfileError(words) from error
+    if not is_sure:
         print("nothing was deleted")
         return 1
     print(f"{delete_profile(name, root)} files deleted")
@@ -131,9 +143,13 @@ def _open_or_create(asked: EnrolRequest, base: Recognizer) -> VoiceProfile:
     if asked.name in names(root):
         return open_profile(asked.name, root)
     if asked.again:
-        known = ", ".join(names(root)) or "none"
-        raise VoiceProfileError(f"no profile {asked.name!r} in {root}, there: {known}")
+        raise _missing(asked.name, root)
     return create_profile(asked.name, base.model_hash, root)
+
+
+def _missing(name: str, root: Path) -> VoiceProfileError:
+    known = ", ".join(names(root)) or "none"
+    return VoiceProfileError(f"no profile {name!r} in {root}, there: {known}")
 
 
 def _recorded(
@@ -146,6 +162,8 @@ def _recorded(
     """
     from voice_assist.enrolment.takes import from_files, from_session
 
+    if asked.corrections is not None and asked.session is None:
+        raise ManifestError("--corrections needs --from-session")
     if asked.wavs is not None:
         found = from_files.find_recordings(asked.wavs, phrases)
         return from_files.read_recordings(found)

@@ -28,10 +28,14 @@ from voice_assist.text.normalize import with_same_words
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line; ends with 2 where what was asked cannot be done."""
+    if status := run_command(lambda: _run(arguments), "voice_assist", (), failed=2):
+        sys.exit(status)
+
+
+def _run(arguments: Sequence[str] | None) -> int:
     options = _parser().parse_args(arguments)
     name, refusals = f"voice_assist {options.verb}", (VoiceError, ConfigError)
-    if status := run_command(lambda: options.run(options), name, refusals, failed=2):
-        sys.exit(status)
+    return run_command(lambda: options.run(options), name, refusals, failed=2)
 
 
 def settings(options: argparse.Namespace) -> VoiceConfig:
@@ -152,8 +156,12 @@ def _evaluate(options: argparse.Namespace) -> None:
 
 def _convert_model(options: argparse.Namespace) -> None:
     """Write a Whisper model of CTranslate2 as a checkpoint that `model:=` takes."""
+    from voice_assist.errors import ModelError
     from voice_assist.recognizer.ctranslate2 import convert
 
+    if all(part.exists() and not part.stat().st_size for part in options.parts):
+        what = " + ".join(map(str, options.parts))
+        raise ModelError(f"{what}: empty, and no Whisper model of CTranslate2")
     convert(options.parts, options.out)
     size = options.out.stat().st_size / 1e6
     print(f"{options.out}: {size:.0f} MB; use it with model:={options.out}")

@@ -23,7 +23,7 @@ class ProfileConfig:
     def __post_init__(self) -> None:
         """Check what no key shows alone."""
         if self.is_used:
-            require_name(self.name)
+            require_name(self.name, "name")
 
     @property
     def is_used(self) -> bool:
@@ -31,11 +31,11 @@ class ProfileConfig:
         return self.name != NOBODY
 
 
-def require_name(name: str) -> None:
+def require_name(name: str, key: str = "profile name") -> None:
     """Refuse what cannot be the name of a profile.
 
     Raises:
         ConfigError: It names nobody, or would not do as a folder's name everywhere.
     """
     allowed = "up to 40 of a to z, 0 to 9, - and _, the first no sign, and not none"
-    require(bool(NAME.fullmatch(name)) and name != NOBODY, "profile name", name, allowed)
+    require(bool(NAME.fullmatch(name)) and name != NOBODY, key, name, allowed)

@@ -15,8 +15,7 @@ from voice_assist.enrolment.examples import Example, broken_off, other_voices, t
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.profile.profile import VoiceProfile
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
-from voice_assist.recognizer.recognizer import LONGEST
-from voice_assist.types import RATE, Samples
+from voice_assist.types import LONGEST, RATE, Samples
 
 _OTHERS_SNR = (5.0, 35.0)  # [dB]
 _TALK_SNR = (20.0, 40.0)  # [dB] over the noise that the room has already

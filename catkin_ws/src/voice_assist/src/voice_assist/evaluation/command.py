@@ -20,6 +20,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import track
 
+from typed_config import check_writable
 from voice_assist.assembly import make_pipeline, make_recognizer
 from voice_assist.config import VoiceConfig
 from voice_assist.errors import ManifestError
@@ -62,6 +63,7 @@ def evaluate(config: VoiceConfig, job: Job) -> dict[str, Any]:
     for path in (job.out, job.details):
         if path is not None:
             _check_writable(path)
+    _check_apart(job, clips)
     jobs = min(job.jobs, len(clips))
     context = _context(config, job, jobs)
     outcomes = list(_show(_run(config, job, clips, jobs), len(clips)))
@@ -140,13 +142,21 @@ def _context(config: VoiceConfig, job: Job, jobs: int) -> dict[str, Any]:
 
 def _check_writable(path: Path) -> None:
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        is_new = not path.exists()
-        path.open("a", encoding="utf-8").close()
-        if is_new:
-            path.unlink()
+        check_writable(path)
     except OSError as error:
         raise ManifestError(f"{path} cannot be written: {error.strerror}") from error
+
+
+def _check_apart(job: Job, clips: Sequence[LabelledClip]) -> None:
+    """Refuse to write over what is read, or one output over the other."""
+    taken = {clip.path.resolve(): f"the clip of row {clip.row}" for clip in clips}
+    taken[job.manifest.resolve()] = "the manifest"
+    for path, what in ((job.out, "the file of figures"), (job.details, "the details")):
+        if path is None:
+            continue
+        if there := taken.get(path.resolve()):
+            raise ManifestError(f"{path} is {there}, so {what} cannot be written there")
+        taken[path.resolve()] = what
 
 
 def _write_details(path: Path, outcomes: Sequence[ClipOutcome]) -> None:

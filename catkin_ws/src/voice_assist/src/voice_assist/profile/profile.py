@@ -52,15 +52,19 @@ def profiles_folder(given: str | Path | None = None) -> Path:
     """Folder of all profiles: as given, as the environment says, or in the user's own data.
 
     Raises:
-        VoiceProfileError: It is in the home of a user who has none.
+        VoiceProfileError: It is in the home of a user who has none, or a file.
     """
     data = os.environ.get("XDG_DATA_HOME") or "~/.local/share"
     folder = given or os.environ.get(ENV) or f"{data}/voice_assist/profiles"
     try:
-        return Path(folder).expanduser()
-    except RuntimeError as error:
+        path = Path(folder).expanduser()
+        if path.exists() and not path.is_dir():
+            raise NotADirectoryError("it is no folder")
+    except (RuntimeError, OSError) as error:
         allowed = f"allowed in profile.folder or {ENV}: a folder that exists or can be made"
-        raise VoiceProfileError(f"profiles in {str(folder)!r}: {error}; {allowed}") from error
+        why = getattr(error, "strerror", None) or error
+        raise VoiceProfileError(f"profiles in {str(folder)!r}: {why}; {allowed}") from error
+    return path
 
 
 class VoiceProfile:

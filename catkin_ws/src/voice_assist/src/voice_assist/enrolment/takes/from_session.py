@@ -55,9 +55,11 @@ def read_takes(
 
     Raises:
         Uncorrected: The file was just made; says what to do with it.
-        ManifestError: The recording or the file cannot be used.
+        ManifestError: The recording or the file cannot be used, or nothing was said in it.
     """
     utterances = _read(session, reader)
+    if not utterances:
+        raise ManifestError(f"{session}: no utterance with its sound in it; nothing was written")
     if corrections is None or not corrections.exists():
         path = corrections or Path("corrections.csv")
         _write(path, utterances)
@@ -87,6 +89,9 @@ def _write(path: Path, utterances: Sequence[SpokenUtterance]) -> None:
             for number, one in enumerate(utterances, 1):
                 times = f"{one.time:.2f}", f"{len(one.samples) / RATE:.2f}"
                 table.writerow([number, *times, one.heard, one.command, one.command])
+    except FileExistsError as error:
+        words = f"{path} exists already; name it or another with --corrections"
+        raise ManifestError(words) from error
     except OSError as error:
         raise ManifestError(f"{path} cannot be written: {error.strerror}") from error
 
@@ -110,4 +115,6 @@ def _corrected(
         samples = frozen_samples(np.asarray(by_number[number.strip()].samples, np.int16))
         name = f"{session.resolve().parent.name}/{session.name} {number.strip()}"
         takes.append(RecordedTake(name, kind, phrase, samples))
+    if not takes:
+        raise ManifestError(f"{path}: the column said is empty; write a command or talk there")
     return takes

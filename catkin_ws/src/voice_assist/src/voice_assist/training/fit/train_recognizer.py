@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import json
 import logging
+import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +18,9 @@ import torch
 from torch import nn
 from whisper.model import disable_sdpa
 
-from typed_config import package_folder, repository
+from typed_config import check_writable, package_folder, repository, run_command
+from voice_assist.errors import VoiceError
+from voice_assist.recognizer.checkpoint import find_checkpoint, read_checkpoint
 from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.training.data.align import align_clips
 from voice_assist.training.data.batches import Batch, Batches
@@ -227,9 +230,17 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
 
 
 def main() -> None:
+    """Run the command line; ends with 2 where what was asked cannot be done."""
+    if status := run_command(lambda: _run(parse()), "train_recognizer", (VoiceError,), failed=2):
+        sys.exit(status)
+
+
+def _run(options: argparse.Namespace) -> None:
     """Train, say how long it took, and leave the checkpoint in place."""
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
-    options = parse()
+    if options.start:
+        read_checkpoint(find_checkpoint(options.start))
+    check_writable(options.out)
     torch.set_num_threads(options.threads)
     said = SynthesisAmounts(**MORE.get(options.lesson, {})).part(options.share)
     packages = options.packages if options.lesson in WITH_KOKORO else None

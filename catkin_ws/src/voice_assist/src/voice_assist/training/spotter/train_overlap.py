@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+import sys
 import time
 from pathlib import Path
 
@@ -13,6 +14,8 @@ import torch
 from torch import Tensor
 from torch.nn.functional import binary_cross_entropy_with_logits
 
+from typed_config import check_writable, run_command
+from voice_assist.errors import VoiceError
 from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
 from voice_assist.recognizer.hybrid import encode_short
 from voice_assist.recognizer.mel import log_mel
@@ -179,9 +182,18 @@ def _resume(
 
 
 def main() -> None:
+    """Run the command line; ends with 2 where what was asked cannot be done."""
+    if status := run_command(lambda: _run(parse()), "train_overlap", (VoiceError,), failed=2):
+        sys.exit(status)
+
+
+def _run(options: argparse.Namespace) -> None:
     """Gather the material, train, write the file."""
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
-    options = parse()
+    read_checkpoint(options.recogniser)
+    if options.start:
+        read_overlap(options.start, options.recogniser)
+    check_writable(options.out)
     torch.set_num_threads(options.threads)
     material = load_overlap_material(options.speech, options.cache, options.packages, options.seed)
     counts = (material.human, material.synthetic, material.others, material.near, material.talk)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import logging
 import math
+import sys
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,6 +19,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn.functional import softplus
 
+from typed_config import check_writable, run_command
+from voice_assist.errors import VoiceError
 from voice_assist.recognizer.safe_weights import write_weights
 from voice_assist.spotter.features import Embedder
 from voice_assist.spotter.head import CONTEXT, PATH, Head, Member
@@ -147,9 +150,15 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
 
 
 def main() -> None:
+    """Run the command line; ends with 2 where what was asked cannot be done."""
+    if status := run_command(lambda: _run(parse()), "train_spotter", (VoiceError,), failed=2):
+        sys.exit(status)
+
+
+def _run(options: argparse.Namespace) -> None:
     """Embed the material, train the members, write the file."""
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
-    options = parse()
+    check_writable(options.out)
     torch.set_num_threads(options.threads)
     began, amounts = time.monotonic(), SpotterAmounts()
     kinds = load_steps(options.speech, options.cache, options.seed, amounts)
@@ -164,7 +173,6 @@ def main() -> None:
         head.members[number] = train_member(
             table, options.steps, options.rate, options.seed * 100 + number
         )
-    options.out.parent.mkdir(parents=True, exist_ok=True)
     write_weights(head.state_dict(), options.out)
     LOG.info("%.0f s in all; %s", time.monotonic() - began, options.out)
 

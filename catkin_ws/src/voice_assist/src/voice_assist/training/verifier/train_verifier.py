@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import json
 import logging
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from itertools import chain
 from pathlib import Path
@@ -20,8 +21,9 @@ from numpy.typing import NDArray
 from torch.nn.functional import binary_cross_entropy_with_logits
 from torch.nn.utils import parameters_to_vector
 
+from typed_config import check_writable, run_command
 from voice_assist.audio.espeak import Int16
-from voice_assist.errors import ModelError
+from voice_assist.errors import ModelError, VoiceError
 from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
 from voice_assist.recognizer.embedded import restore
 from voice_assist.recognizer.hybrid import WhisperCtc
@@ -65,9 +67,15 @@ def parse(arguments: list[str] | None = None) -> argparse.Namespace:
 
 
 def main() -> None:
+    """Run the command line; ends with 2 where what was asked cannot be done."""
+    if status := run_command(lambda: _run(parse()), "train_verifier", (VoiceError,), failed=2):
+        sys.exit(status)
+
+
+def _run(options: argparse.Namespace) -> None:
     """Train, log what the development voices say, and leave the file in place."""
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
-    options = parse()
+    check_writable(options.out)
     torch.set_num_threads(options.threads)
     checkpoint = read_checkpoint(options.recogniser)
     aligner = read_checkpoint(options.aligner) if options.aligner else checkpoint
