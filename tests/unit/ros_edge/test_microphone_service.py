@@ -8,8 +8,11 @@ import pytest
 from rst_control.host.respawn import RESTART
 from support.waiting import wait_until
 from voice_assist.audio.capture.microphone import Microphone
+from voice_assist.audio.capture.portaudio import Device
 from voice_assist.config import load_voice_config
+from voice_assist.errors import DeviceError
 from voice_assist.ros import microphone_service, node_settings
+from voice_assist.types import RATE
 
 
 @pytest.fixture
@@ -41,6 +44,27 @@ def test_a_node_that_crashed_listens_to_the_same_microphone(master, monkeypatch)
     assert node_settings.node_settings().audio.microphone.device == ""
     monkeypatch.setenv(RESTART, "1")
     assert node_settings.node_settings().audio.microphone.device == "pulse:headset"
+
+
+def test_after_a_crash_a_microphone_whose_name_only_holds_the_kept_one_is_not_opened(
+    master, monkeypatch
+):
+    master.kept[node_settings.OPENED] = name = "pulse:alsa_input.usb-X.analog-stereo"
+    monkeypatch.setenv(RESTART, "1")
+    config, reports, opened = node_settings.node_settings().audio.microphone, [], []
+    found = [
+        [Device(f"{name}.2", RATE, True)],
+        [Device(f"{name}.2", RATE, True), Device(name, RATE, False)],
+    ]
+
+    def open_device(device, _):
+        opened.append(device.name)
+        raise DeviceError("busy", device.name)
+
+    backend = SimpleNamespace(devices=lambda: found.pop(0), open=open_device)
+    listener = Microphone(config, backend, lambda: 0.0, lambda _: not found, reports.append)
+    assert list(listener) == []
+    assert "not found" in reports[0] and opened == [name]
 
 
 @pytest.mark.parametrize("problem", ["", "microphone 'x': not found"])

@@ -40,6 +40,26 @@ def test_single_settings_can_be_replaced_and_are_checked():
         load_voice_config(audio__vad__detector="magic")
 
 
+@pytest.mark.parametrize(("pre_roll", "least"), [(0.44, 1.0), (1.0, 1.56), (1.9, 2.46)])
+def test_a_command_fits_into_an_utterance_behind_what_is_kept_before_it(pre_roll, least):
+    kept = {"audio__vad__pre_roll": pre_roll}
+    assert load_voice_config(audio__vad__max_utterance=least, **kept)
+    words = rf"vad\.max_utterance.*from {least + 0.01:g} s on: pre_roll, min_speech and 0\.5 s"
+    with pytest.raises(ConfigError, match=words):
+        load_voice_config(audio__vad__max_utterance=least, audio__vad__pre_roll=pre_roll + 0.01)
+
+
+def test_of_an_utterance_no_more_is_taken_for_its_whole_than_a_recogniser_hears():
+    silence = {"recognizer__early__silence_added": 0.5}
+    assert (
+        load_voice_config(recognizer__early__window=9.5, **silence).recognizer.early.window == 9.5
+    )
+    for window in (9.6, 20.0):
+        words = rf"early\.window.*{window:g}.*allowed: up to 9.5 s: a recogniser hears 10 s"
+        with pytest.raises(ConfigError, match=words):
+            load_voice_config(recognizer__early__window=window, **silence)
+
+
 def test_the_settings_can_come_from_a_mapping_as_ros_gives_it():
     data = {name: yaml.safe_load((CONFIG_DIR / f"{name}.yaml").read_text()) for name in SECTIONS}
     assert voice_config(data) == load_voice_config()

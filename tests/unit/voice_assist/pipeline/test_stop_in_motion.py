@@ -15,6 +15,7 @@ from tests.unit.voice_assist.support.fake_pipeline import (
     run,
 )
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say
+from voice_assist.audio.robot_speech import RobotSpeechChange
 from voice_assist.config import load_voice_config
 from voice_assist.types import Halt, Hypothesis, Mode, RejectionReason
 
@@ -52,6 +53,26 @@ def test_a_stop_in_a_sentence_stops_a_robot_that_moves(text, mode):
 @pytest.mark.parametrize("text", WITH_STOP)
 def test_at_rest_the_same_sentence_does_nothing(text):
     assert commands(hear(text, False)) == []
+
+
+OVER = "the now what he said is 0.36 {} 0.36 the now what he said is mumble"
+
+
+@pytest.mark.parametrize("is_moving", [False, True])
+def test_over_the_robots_own_voice_a_stop_is_no_harder_in_motion_than_at_rest(is_moving):
+    def hear_over(word):
+        pipeline, clock = make(Mode.ACTIVE, stop_in_sound=AlwaysAsSure(0.9))
+        pipeline.robot_spoke(RobotSpeechChange(True, 100.0))
+        sound = [replace(f, is_moving=is_moving) for f in frames(say(OVER.format(word)))]
+        return commands(run(pipeline, clock, sound))
+
+    assert CONFIG.over_talk_agree > 0.9
+    assert hear_over("stop") == ["stop"]
+    assert hear_over("tense") == []
+
+
+def test_without_that_voice_the_spotter_over_talk_is_asked_in_motion():
+    assert commands(hear(OVER.format("stop"), True, over_talk=0.9)) == []
 
 
 @pytest.mark.parametrize("text", WITHOUT)

@@ -6,12 +6,16 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
+import numpy as np
 import pytest
 import torch
 
+from tests.unit.voice_assist.support.records import take
 from typed_config import ConfigError
+from voice_assist.assembly import make_recognizer
 from voice_assist.cli import enroll
 from voice_assist.config import VoiceConfig, load_voice_config
+from voice_assist.config.commands import ENGLISH, LANGUAGES
 from voice_assist.config.profile import NOBODY
 from voice_assist.profile import model_file, thresholds
 from voice_assist.profile.active import (
@@ -24,6 +28,7 @@ from voice_assist.profile.manifest import ACTIVE, REFUSED, to_bytes
 from voice_assist.profile.profile import VoiceProfile, VoiceProfileError, create_profile, facts_of
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.replay.replayer import restore_settings
+from voice_assist.types import RATE
 
 
 @pytest.fixture
@@ -37,15 +42,16 @@ def profile(tmp_path: Path, base: EmbeddedRecognizer) -> VoiceProfile:
     return made
 
 
-def config(profile: VoiceProfile, **changes: str) -> VoiceConfig:
+def config(profile: VoiceProfile, language: str = ENGLISH, **changes: str) -> VoiceConfig:
     wanted = {"name": "ada", "folder": str(profile.folder.parent), **changes}
-    return load_voice_config(**{f"profile__{key}": value for key, value in wanted.items()})
+    settings = {f"profile__{key}": value for key, value in wanted.items()}
+    return load_voice_config(language=language, **settings)
 
 
 def test_nobody_is_the_base_itself(base: EmbeddedRecognizer) -> None:
     settings = load_voice_config()
     assert settings.profile.name == NOBODY
-    assert personalise(settings.profile, base) is base
+    assert personalise(settings, base) is base
     assert with_profile(settings) == (settings, None)
     assert facts_of(base) == {}
 
@@ -54,7 +60,7 @@ def test_an_active_profile_brings_its_weights_thresholds_and_digest(
     profile: VoiceProfile, base: EmbeddedRecognizer
 ) -> None:
     settings = config(profile)
-    personal = personalise(settings.profile, base)
+    personal = personalise(settings, base)
     assert isinstance(personal, PersonalRecognizer)
     change = personal.model.get_parameter("ctc.bias") - base.model.get_parameter("ctc.bias")
     torch.testing.assert_close(change, torch.ones_like(change), atol=0.01, rtol=0.0)
@@ -65,7 +71,7 @@ def test_an_active_profile_brings_its_weights_thresholds_and_digest(
 
 
 def test_one_switch_leads_back_to_the_base(profile: VoiceProfile, base: EmbeddedRecognizer) -> None:
-    assert personalise(config(profile, name=NOBODY).profile, base) is base
+    assert personalise(config(profile, name=NOBODY), base) is base
 
 
 def test_a_refused_profile_is_not_used_and_says_why(profile: VoiceProfile) -> None:
@@ -89,7 +95,38 @@ def test_a_profile_of_another_recogniser_is_not_used(
     with pytest.raises(
         VoiceProfileError, match=r"on top of the recogniser cdcdcdcdcdcd, allowed: "
     ):
-        personalise(config(profile).profile, base)
+        personalise(config(profile), base)
+
+
+@pytest.mark.parametrize("language", [x for x in LANGUAGES if x != ENGLISH])
+def test_a_profile_of_another_language_is_not_used(profile: VoiceProfile, language: str) -> None:
+    profile.add_take(np.zeros(RATE, np.float32), take("stop"))
+    foreign = config(profile, language)
+    first = foreign.commands.fixed_phrases[0]
+    found = f"profile 'ada' was not learned from takes of {first!r}, allowed with language"
+    command = f"{language}: .*voice_assist --language {language} enroll ada"
+    for use in (make_recognizer, with_profile):
+        with pytest.raises(VoiceProfileError, match=f"^{found} {command}"):
+            use(foreign)
+
+
+def test_a_profile_learned_from_every_phrase_of_the_language_is_used(
+    profile: VoiceProfile, base: EmbeddedRecognizer
+) -> None:
+    german = config(profile, "de")
+    *phrases, last = german.commands.fixed_phrases
+    learned = [thresholds.Setting(phrase=p, least_confidence=0.8) for p in (*phrases, last)]
+    profile.put(thresholds.NAME, to_bytes(thresholds.Settings(commands=tuple(learned))))
+    for phrase in phrases:
+        profile.add_take(np.zeros(RATE, np.float32), take(phrase))
+    with pytest.raises(VoiceProfileError, match=f"not learned from takes of {last!r}"):
+        personalise(german, base)
+    profile.add_take(np.zeros(RATE, np.float32), take(last))
+    assert isinstance(personalise(german, base), PersonalRecognizer)
+    in_english = thresholds.Settings(commands=tuple(learned[:-1]))
+    profile.put(thresholds.NAME, to_bytes(in_english))  # learned anew, from other takes
+    with pytest.raises(VoiceProfileError, match=f"not learned from takes of {last!r}"):
+        personalise(german, base)
 
 
 def test_damage_is_found_before_anything_is_heard(profile: VoiceProfile) -> None:

@@ -17,6 +17,7 @@ from voice_assist.types import RATE, Hypothesis
 
 DIMS = ModelDimensions(80, 600, 64, 1, 2, 51864, 64, 64, 1, 2)
 PHRASES = ("stop", "pull more", "pull less")
+CT2_TYPES = ("float32", "int8", "int16", "int32", "float16")
 
 
 @pytest.fixture(scope="module")
@@ -168,13 +169,31 @@ def test_a_damaged_model_is_named_and_nothing_is_written(model, tmp_path, damage
     assert not (tmp_path / "model.pt").exists()
 
 
+@pytest.mark.parametrize(
+    "name", ["encoder/layer_0/ffn/linear_0/weight", "decoder/embeddings/weight"]
+)
+@pytest.mark.parametrize("kind", ["int8", "int16", "int32"])
+def test_a_quantised_model_is_refused_by_the_name_of_the_tensor(model, tmp_path, name, kind):
+    file = tmp_path / "model.bin"
+    file.write_bytes(ct2_file(model, {name: kind}))
+    with pytest.raises(ModelError, match=f"{name} is of type {kind}, allowed: float32 or float16"):
+        convert([file], tmp_path / "model.pt")
+    assert not (tmp_path / "model.pt").exists()
+
+
+def test_a_model_in_single_precision_is_converted(model, tmp_path):
+    (tmp_path / "model.bin").write_bytes(ct2_file(model, {"encoder/conv1/weight": "float32"}))
+    convert([tmp_path / "model.bin"], tmp_path / "model.pt")
+    assert (tmp_path / "model.pt").exists()
+
+
 def test_a_missing_part_is_named(tmp_path):
     with pytest.raises(ModelError, match=r"none\.bin: No such file"):
         convert([tmp_path / "none.bin"], tmp_path / "model.pt")
 
 
-def ct2_file(model):
-    """The model in CTranslate2's format, as its converter stacks it."""
+def ct2_file(model, types=None):
+    """The model in CTranslate2's format, as its converter stacks it; types by names of arrays."""
     state = {name: weight.numpy().astype("<f2") for name, weight in model.state_dict().items()}
     arrays = {
         "encoder/position_encodings/encodings": state["encoder.positional_embedding"],
@@ -215,8 +234,10 @@ def ct2_file(model):
                 linear(f"{theirs}/attention/linear_2", f"{own}.out")
     content = struct.pack("<I", 6) + _text("WhisperSpec") + struct.pack("<II", 3, len(arrays))
     for name, values in arrays.items():
+        values = values.astype((types or {}).get(name, "float16"))
         content += _text(name) + struct.pack(f"<B{values.ndim}I", values.ndim, *values.shape)
-        content += struct.pack("<BI", 4, values.nbytes) + values.tobytes()
+        kind = CT2_TYPES.index(values.dtype.name)
+        content += struct.pack("<BI", kind, values.nbytes) + values.tobytes()
     return content + struct.pack("<I", 0)
 
 

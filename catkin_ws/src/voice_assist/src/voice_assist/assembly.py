@@ -54,7 +54,8 @@ def make_recognizer(config: VoiceConfig) -> Recognizer:
 
     Raises:
         ModelError: The model is missing or damaged.
-        VoiceProfileError: The profile is missing, damaged, not active, or of another model.
+        VoiceProfileError: The profile is missing, damaged, not active, or of another model or
+            language.
     """
     from voice_assist.profile.active import personalise
     from voice_assist.recognizer import load_recognizer
@@ -62,7 +63,7 @@ def make_recognizer(config: VoiceConfig) -> Recognizer:
     limit_torch(config)
     settings = config.recognizer
     if not config.is_multilingual:
-        return personalise(config.profile, load_recognizer(settings.model, settings.device))
+        return personalise(config, load_recognizer(settings.model, settings.device))
     from voice_assist.recognizer.checkpoint import EMBEDDED, MULTILINGUAL
     from voice_assist.recognizer.phrases import PhraseRecognizer
     from voice_assist.recognizer.whisper import load_multilingual

@@ -25,9 +25,11 @@ from voice_assist.config.moving import MovingConfig
 from voice_assist.config.profile import ProfileConfig
 from voice_assist.config.speaker import SpeakerConfig
 from voice_assist.errors import CommandsError
+from voice_assist.types import LONGEST
 
 CONFIG_DIR = package_folder("voice_assist") / "config"
 LOWEST_PITCH = 10.0  # [Hz] below it there is no sound to remove
+LEAST_SPOKEN = 0.5  # [s] of a command that has to fit into an utterance
 SLOWER = 5.0  # times that the multilingual model takes as long as the embedded one
 # Each a file and a key.
 SECTIONS = ("audio", "recognizer", "spotter", "speaker", "profile", "commands", "moving")
@@ -51,10 +53,17 @@ class RobotSpeechConfig:
 class MicrophoneConfig:
     """Which microphone, and when it counts as lost."""
 
+    is_whole: ClassVar[bool] = False  # `device` may be a part of its name, or empty
     device: str = text(may_be_empty=True)
     open_within: float = number(0.1, 60.0, "s")
     lost_after: float = number(0.2, 60.0, "s")
     retry_after: float = number(0.1, 60.0, "s")
+
+
+class KeptMicrophoneConfig(MicrophoneConfig):
+    """The one that a session had opened before: `device` is the whole of its name."""
+
+    is_whole: ClassVar[bool] = True
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,6 +130,9 @@ class VadConfig:
     def __post_init__(self) -> None:
         """Check what no key shows alone."""
         require(self.stop <= self.resume, "stop", self.stop, f"up to resume, {self.resume:g}")
+        least = round(self.pre_roll + self.min_speech + LEAST_SPOKEN, 6)
+        allowed = f"from {least:g} s on: pre_roll, min_speech and {LEAST_SPOKEN:g} s of a command"
+        require(self.max_utterance >= least, "max_utterance", self.max_utterance, allowed)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -173,6 +185,9 @@ class EarlyConfig:
         allowed = f"from vote_confidence on, {self.vote_confidence:g}"
         first = self.first_stop_confidence
         require(first >= self.vote_confidence, "first_stop_confidence", first, allowed)
+        longest = round(LONGEST - self.silence_added, 6)
+        allowed = f"up to {longest:g} s: a recogniser hears {LONGEST:g} s, with silence_added"
+        require(self.window <= longest, "window", self.window, allowed)
 
 
 @dataclass(frozen=True, kw_only=True)

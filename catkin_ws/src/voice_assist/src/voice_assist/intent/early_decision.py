@@ -29,6 +29,7 @@ class DecisionContext:
     is_whole: bool  # the transcript is of the utterance from its very beginning
     spotted: float | None = None  # [nat] the spotter's best recent score; None: none listens
     is_moving: bool = False  # the robot moves, or may: a "stop" in a sentence is one
+    is_robot_speaking: bool = False  # the robot's own voice sounds, or may; see RobotSpeech
 
 
 class EarlyDecision:

@@ -178,8 +178,9 @@ class Pipeline:
         spotted = self._stop_fusion.best(frame.end)
         is_complete = partial.utterance.is_complete
         has_paused = self._decoder.has_paused(partial)
-        where = frame.stream_end, has_paused, is_complete, is_whole, spotted, frame.is_moving
-        context = DecisionContext(*where)
+        where = frame.stream_end, has_paused, is_complete, is_whole, spotted
+        robot = frame.is_moving, self._robot_speech.is_in(frame.stamp)
+        context = DecisionContext(*where, *robot)
         verdict = self._decider(transcript, partial, context)
         return () if verdict is None else (self._conclude(verdict, partial),)
 

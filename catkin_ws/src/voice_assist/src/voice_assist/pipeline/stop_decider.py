@@ -142,8 +142,8 @@ class StopDecider:
         """A stop by the first way that holds; None: no stop.
 
         1. The transcript says it (confirmed by `StopFusion.confirms`).
-        2. The last part of the sound says it over the robot's own voice. In motion, where a
-           spotter over talk listens, `in_motion` asks both.
+        2. The last part of the sound says it, over the robot's own voice or in motion. While the
+           robot moves silently and a spotter over talk listens, `in_motion` asks both.
         3. The spotter is sure of it, where the transcript names no command.
         4. In motion, where no command is written and nothing else was said: a word that sounds
            nearly like it.
@@ -156,7 +156,8 @@ class StopDecider:
             return Verdict(outcome, transcript, confidence, RECOGNIZER)
         part = self._decoder.part
         minimum = self._config.audio.robot_speech.stop_over_speech_confidence
-        is_asked_later = context.is_moving and self._stop_in_sound is not None
+        is_motion_alone = context.is_moving and not context.is_robot_speaking
+        is_asked_later = is_motion_alone and self._stop_in_sound is not None
         over = None if is_asked_later else self._early_decision.said_over(part, minimum)
         if part is not None and over is not None:
             return Verdict(over, part, worth.transcript(log_odds(part.confidence)), RECOGNIZER)

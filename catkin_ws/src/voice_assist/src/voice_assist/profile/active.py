@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from torch import Tensor
 
+from voice_assist.config.commands import ENGLISH, CommandsConfig
 from voice_assist.config.profile import ProfileConfig
 from voice_assist.profile import model_file, spellings, thresholds
 from voice_assist.profile.manifest import ACTIVE, RECORDING
@@ -50,14 +51,44 @@ def profile_in_use(config: ProfileConfig) -> VoiceProfile | None:
     return profile
 
 
-def personalise(config: ProfileConfig, base: Recognizer) -> Recognizer:
+def _profile_of_language(config: VoiceConfig) -> VoiceProfile | None:
+    """The profile in use; None: the base alone is asked for.
+
+    Raises:
+        VoiceProfileError: As `profile_in_use`, or it was not learned from a phrase of a language
+            that the base does not know.
+    """
+    profile = profile_in_use(config.profile)
+    if profile is not None and config.commands.language != ENGLISH:
+        _require_learned(profile, config.commands)
+    return profile
+
+
+def _require_learned(profile: VoiceProfile, commands: CommandsConfig) -> None:
+    learned = {take.phrase for take in profile.manifest.takes}
+    if profile.has(thresholds.NAME):  # which names the phrases that were learned last
+        newest = thresholds.from_bytes(profile.read(thresholds.NAME))
+        learned &= {setting.phrase for setting in newest.commands}
+    language = commands.language
+    for phrase in commands.fixed_phrases:
+        if phrase not in learned:
+            found = f"was not learned from takes of {phrase!r}"
+            allowed = f"allowed with language {language}: one enrolled in it; or profile:=none"
+            again = (
+                f"voice_assist --language {language} enroll {profile.name} records what it lacks"
+            )
+            raise VoiceProfileError(f"profile {profile.name!r} {found}, {allowed}; {again}")
+
+
+def personalise(config: VoiceConfig, base: Recognizer) -> Recognizer:
     """The recogniser for the person that the settings name.
 
     Raises:
-        VoiceProfileError: As `profile_in_use`, or the profile adapts another recogniser.
+        VoiceProfileError: As `profile_in_use`, or the profile adapts another recogniser, or was not
+            learned from every phrase of another language than English.
         ModelError: The adapted weights do not suit the recogniser.
     """
-    profile = profile_in_use(config)
+    profile = _profile_of_language(config)
     if profile is None:
         return base
     if profile.manifest.base_sha256 != base.model_hash:
@@ -81,10 +112,11 @@ def with_profile(config: VoiceConfig) -> tuple[VoiceConfig, bytes | None]:
     """The settings with the person's spellings and thresholds, and the voiceprint, if there is one.
 
     Raises:
-        VoiceProfileError: As `profile_in_use`.
+        VoiceProfileError: As `profile_in_use`, or it was not learned from every phrase of another
+            language than English.
         VoiceError: Spellings or thresholds cannot be used.
     """
-    profile = profile_in_use(config.profile)
+    profile = _profile_of_language(config)
     if profile is None:
         return config, None
     config = with_spellings(config, profile)

@@ -13,10 +13,10 @@ from whisper.model import ModelDimensions
 
 from typed_config import package_folder
 from voice_assist.errors import ModelError
-from voice_assist.recognizer.recognizer import LONGEST
 from voice_assist.recognizer.safe_weights import check_weights, read_weights
 from voice_assist.recognizer.vocabulary import BLANK
 from voice_assist.recognizer.whisper_shapes import read_dims, whisper_shapes
+from voice_assist.types import LONGEST
 
 STATE, CTC = "model_state_dict", "ctc_state_dict"
 NEEDED = {"dims", STATE}

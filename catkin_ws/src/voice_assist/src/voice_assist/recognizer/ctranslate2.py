@@ -77,6 +77,7 @@ def openai_checkpoint(arrays: Arrays) -> dict[str, object]:
 
     Raises:
         KeyError: An array is missing.
+        ValueError: One is quantised to whole numbers.
     """
     state: dict[str, Tensor] = {}
     for part in ("encoder", "decoder"):
@@ -87,10 +88,9 @@ def openai_checkpoint(arrays: Arrays) -> dict[str, object]:
     state |= _norm(arrays, "encoder/layer_norm", "encoder.ln_post")
     state |= _norm(arrays, "decoder/layer_norm", "decoder.ln")
     for part in ("encoder", "decoder"):
-        state[f"{part}.positional_embedding"] = _tensor(
-            arrays[f"{part}/position_encodings/encodings"]
-        )
-    state["decoder.token_embedding.weight"] = _tensor(arrays["decoder/embeddings/weight"])
+        name = f"{part}/position_encodings/encodings"
+        state[f"{part}.positional_embedding"] = _tensor(arrays, name)
+    state["decoder.token_embedding.weight"] = _tensor(arrays, "decoder/embeddings/weight")
     width = state["encoder.conv1.weight"].shape[0]
     text = state["decoder.positional_embedding"].shape
     dims = {
@@ -168,13 +168,18 @@ def _attention(arrays: Arrays, theirs: str, ours: str, *stacks: Sequence[str]) -
 
 
 def _linear(arrays: Arrays, theirs: str, ours: str) -> dict[str, Tensor]:
-    return {f"{ours}.{kind}": _tensor(arrays[f"{theirs}/{kind}"]) for kind in ("weight", "bias")}
+    return {f"{ours}.{kind}": _tensor(arrays, f"{theirs}/{kind}") for kind in ("weight", "bias")}
 
 
 def _norm(arrays: Arrays, theirs: str, ours: str) -> dict[str, Tensor]:
     names = {"weight": "gamma", "bias": "beta"}
-    return {f"{ours}.{our}": _tensor(arrays[f"{theirs}/{their}"]) for our, their in names.items()}
+    return {f"{ours}.{our}": _tensor(arrays, f"{theirs}/{their}") for our, their in names.items()}
 
 
-def _tensor(values: NDArray[np.generic]) -> Tensor:
+def _tensor(arrays: Arrays, name: str) -> Tensor:
+    """An array as it is; whole numbers are quantised weights, which mean nothing without scales."""
+    values = arrays[name]
+    if values.dtype.kind != "f":
+        allowed = "float32 or float16, as of a conversion without quantization to whole numbers"
+        raise ValueError(f"{name} is of type {values.dtype.name}, allowed: {allowed}")
     return torch.from_numpy(np.array(values)).half()

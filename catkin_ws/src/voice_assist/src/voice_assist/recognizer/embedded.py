@@ -15,7 +15,7 @@ from voice_assist.recognizer.checkpoint import Checkpoint
 from voice_assist.recognizer.ctc import greedy_text
 from voice_assist.recognizer.hybrid import WhisperCtc, encode_lower, encode_upper
 from voice_assist.recognizer.mel import log_mel
-from voice_assist.recognizer.recognizer import LONGEST, SHORTEST, drop_hallucination, is_same
+from voice_assist.recognizer.recognizer import SHORTEST, drop_hallucination, is_same
 from voice_assist.recognizer.scoring import ctc_likelihoods, decoder_likelihoods, ratios
 from voice_assist.recognizer.verification import BLOCKS, PhraseVerifier
 from voice_assist.recognizer.vocabulary import (
@@ -27,7 +27,7 @@ from voice_assist.recognizer.vocabulary import (
     encode,
     spelled,
 )
-from voice_assist.types import RATE, Hypothesis, IsHopeless, Samples, never_hopeless
+from voice_assist.types import LONGEST, RATE, Hypothesis, IsHopeless, Samples, never_hopeless
 
 EMBEDDING = "decoder.token_embedding.weight"
 MIN_FRAMES = 40  # of the spectrogram; shorter sound gets quiet appended

@@ -9,7 +9,6 @@ from typing import Protocol
 from voice_assist.types import Hypothesis, IsHopeless, Samples, never_hopeless
 
 SHORTEST = 0.1  # [s] shorter sound is heard as nothing
-LONGEST = 10.0  # [s] of longer sound, the last part is heard
 NO_SPEECH_THRESHOLD = 0.6  # [0, 1] from which words count as made up; speech stays below 0.02
 
 
@@ -23,7 +22,8 @@ class Recognizer(Protocol):
         """Text of the sound, empty when nothing was said.
 
         Args:
-            samples: float32 in [-1, 1], 16 kHz mono. Shape (n,).
+            samples: float32 in [-1, 1], 16 kHz mono; the last `types.LONGEST` of it is heard.
+                Shape (n,).
             is_hopeless: May be asked of beginnings of the text, each as it will stand. After a yes
                 the rest may be written roughly, which is quicker.
         """

@@ -18,24 +18,25 @@ def decoder_likelihoods(model: WhisperCtc, states: Tensor, texts: Sequence[str])
 
     Args:
         model: Whose decoder to ask.
-        states: Encoder states of one sound. Shape (1, time, d).
+        states: Encoder states of one sound, on the model's device. Shape (1, time, d).
         texts: Normalised; empty for silence.
 
     Returns:
-        Shape (len(texts),).
+        Shape (len(texts),), on the CPU.
     """
     ids = [encode(text) for text in texts]
     width = max(map(len, ids)) + 1
     wanted = torch.full((len(ids), width), -1)
     for row, line in enumerate(ids):
         wanted[row, : len(line) + 1] = torch.tensor([*line, END])
-    prompt = torch.tensor([PROMPT]).expand(len(ids), -1)
+    wanted = wanted.to(states.device)
+    prompt = torch.tensor([PROMPT], device=states.device).expand(len(ids), -1)
     fed = torch.cat([prompt, wanted[:, :-1].clamp(min=0)], dim=1)
     memory = {k: v.expand(len(ids), *v.shape[1:]) for k, v in model.remember(states).items()}
     logits = model.logits(fed, states, memory)
     logprobs = logits[:, len(PROMPT) - 1 :].log_softmax(-1)
     chosen = logprobs.gather(-1, wanted.clamp(min=0).unsqueeze(-1)).squeeze(-1)
-    return (chosen * (wanted >= 0)).sum(-1)
+    return (chosen * (wanted >= 0)).sum(-1).cpu()
 
 
 def ctc_likelihoods(logprobs: Tensor, texts: Sequence[str]) -> Tensor:

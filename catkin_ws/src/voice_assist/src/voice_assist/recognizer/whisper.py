@@ -25,13 +25,13 @@ from voice_assist.recognizer.checkpoint import (
 from voice_assist.recognizer.embedded import EmbeddedRecognizer, is_audible
 from voice_assist.recognizer.hybrid import encode_short
 from voice_assist.recognizer.mel import SAMPLES_PER_STATE, log_mel
-from voice_assist.recognizer.recognizer import LONGEST, Recognizer, drop_hallucination, is_same
+from voice_assist.recognizer.recognizer import Recognizer, drop_hallucination, is_same
 from voice_assist.recognizer.scoring import ratios
 from voice_assist.recognizer.token_tree import likelihoods
 from voice_assist.recognizer.verification import read_verifier
 from voice_assist.text.amounts import in_digits
 from voice_assist.text.normalize import is_japanese, with_same_words
-from voice_assist.types import RATE, Hypothesis, IsHopeless, Samples, never_hopeless
+from voice_assist.types import LONGEST, RATE, Hypothesis, IsHopeless, Samples, never_hopeless
 
 MAX_TOKENS = 64  # written for one sound; ten seconds of talk need about 40
 QUIET = RATE  # samples of silence appended: models trained on 30 s expect an end

@@ -263,7 +263,7 @@ def _with_profile(
 ) -> tuple[VoiceConfig, Recognizer, tuple[str, ...]]:
     """The recogniser with the recorded profile; where that is gone, the base and a warning."""
     try:
-        return config, personalise(config.profile, base), ()
+        return config, personalise(config, base), ()
     except (VoiceError, ConfigError) as error:
         nobody = replace(config.profile, name=NOBODY, sha256="")
         return replace(config, profile=nobody), base, (f"heard without a profile: {error}",)

@@ -14,6 +14,7 @@ from voice_assist.audio.sound_file import check_sound
 from voice_assist.config import (
     CONFIG_DIR,
     SECTIONS,
+    KeptMicrophoneConfig,
     VoiceConfig,
     load_voice_config,
     voice_config,
@@ -48,9 +49,13 @@ def _given() -> VoiceConfig:
 
 
 def _as_before(config: VoiceConfig) -> VoiceConfig:
-    """With the microphone of the session, where the node was started again after a crash."""
+    """With the microphone of the session, where the node was started again after a crash.
+
+    Only the whole name counts, as it did before the crash: it may be a part of another's name.
+    """
     opened = rospy.get_param(OPENED, "") if is_restart() else ""
     if not opened:
         return config
-    microphone = replace(config.audio.microphone, device=str(opened))
+    kept = {**vars(config.audio.microphone), "device": str(opened)}
+    microphone = KeptMicrophoneConfig(**kept)
     return replace(config, audio=replace(config.audio, microphone=microphone))

@@ -2,7 +2,8 @@
 """A microphone by its name: a missing or lost one is reported and waited for, never replaced.
 
 The settings may name a part of it, or leave it to the system's default. That counts until one is
-opened. From then on only that one is opened, until a person chooses another.
+opened. From then on only that one is opened, by its whole name, until a person chooses another. So
+it is after a crash of the node, too.
 """
 
 from __future__ import annotations
@@ -71,7 +72,7 @@ class Microphone:
         self._stream: Stream | None = None
         self._framer = Framer()
         self._choices: SimpleQueue[_Choice] = SimpleQueue()
-        self._is_kept = False  # the name is that of a device, and stays
+        self._is_kept = config.is_whole  # the name is that of a device, and stays
         self.remark = ""  # what a person should know of the channels; empty: nothing
         self.name = config.device  # asked for; once one was opened, that of this one
 
