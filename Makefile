@@ -63,9 +63,9 @@ demo: setup ## a spoken session moves the simulated robot; GUI=1 opens its windo
 	@$(RUN) python -m demo $(if $(GUI),--gui) $(if $(MIC),--microphone) $(if $(ROBOT),--robot '$(ROBOT)') $(if $(OUT),--out "$$OUT")
 
 film: .setup/dev ## the same session as a GIF and as a video file with its sound and captions: film.gif and film.mp4 in OUT (sessions/film)
-	@out="$(if $(OUT),$$OUT,sessions/film)"; if [ "$$out" = sessions/film ]; then rm -f "$$out/session.mcap"; \
-	    elif [ -e "$$out/session.mcap" ]; then echo "OUT holds a recording; name a new folder"; exit 2; fi
-	@$(RUN) out="$(if $(OUT),$$OUT,sessions/film)" && python -m demo --film --out "$$out" && python -m demo.film "$$out"
+	@$(RUN) out="$(if $(OUT),$$OUT,sessions/film)" && if [ "$$out" = sessions/film ]; then rm -f "$$out/session.mcap"; \
+	    elif [ -e "$$out/session.mcap" ]; then echo "OUT holds a recording; name a new folder"; exit 2; fi \
+	    && python -m demo --film --out "$$out" && python -m demo.film "$$out"
 
 preflight: setup ## checks of live Kinova and OpenRST drivers that move nothing; TROCAR="x y z" [SCENE=file LIMITS=file URDF=file BRIDGE=overrides.yaml ROBOT=my_gen3]
 	@ip="$${ROS_IP:-127.0.0.1}"; $(RUN) export ROS_IP="$$ip" && python -m rst_control.ros.kinova.live_checks_cli $(if $(TROCAR),--trocar $(TROCAR)) \

@@ -7,6 +7,7 @@ goes on where it was interrupted. The page of figures is made anew at the end.
 
 from __future__ import annotations
 
+import argparse
 import importlib
 import sys
 from collections.abc import Sequence
@@ -23,13 +24,16 @@ from support.interrupt import end_as_by_ctrl_c
 
 def main(argv: Sequence[str]) -> int:
     """Measure what is named, or all; returns 2 for a name that is none."""
-    unknown = [name for name in argv if not named(name)]
+    parser = argparse.ArgumentParser(prog="make bench", description=__doc__)
+    parser.add_argument("names", nargs="*", help="families or parts: motion voice.near")
+    names = parser.parse_args(argv).names
+    unknown = [name for name in names if not named(name)]
     for name in unknown:
         print(f"no such figures: {name}; allowed: {', '.join(_allowed(name))}")
     if unknown:
         return 2
     console, missed = Console(), 0
-    chosen = {part.name: part for name in argv or measurable() for part in named(name)}
+    chosen = {part.name: part for name in names or measurable() for part in named(name)}
     for part in chosen.values():
         key = _decisions(part)
         figures = run(part.file, kept(part.file, part.measure), console, part.rooms, key)

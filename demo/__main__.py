@@ -29,6 +29,7 @@ from rst_control.simulation.rendering.window import window_obstacle
 from support.interrupt import end_as_by_ctrl_c
 from support.launched_system import System
 from support.theatre_sound import RATE
+from typed_config import ConfigError
 
 ROOT = Path(__file__).resolve().parent.parent
 SCRIPTS = {  # of each way in which the simulated robot is led
@@ -55,7 +56,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     if options.gui and (obstacle := window_obstacle()):
         console.print(f"[red]The demo could not run:[/red] {obstacle}")
         return 1
-    script = load_script(options.script or SCRIPTS[options.robot])
+    try:
+        script = load_script(options.script or SCRIPTS[options.robot])
+    except ConfigError as error:
+        console.print(str(error), style="red", highlight=False, markup=False)
+        return 2
     folder = options.out or ROOT / "sessions" / datetime.datetime.now().strftime(
         "%Y-%m-%d_%H-%M-%S"
     )
@@ -63,7 +68,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        console.print(f"The folder of the session cannot be made: {error}", style="red")
+        words = f"The folder of the session cannot be made: {error.filename}: {error.strerror}"
+        console.print(words, style="red", highlight=False, markup=False)
         return 2
     try:
         results = _session(script, folder, options, console)
@@ -100,7 +106,10 @@ def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
         help="how the simulated robot is led: by set-points, or as Kinova's own driver is",
     )
     parser.add_argument("--wav", action="store_true", help="do not try a virtual microphone")
-    return parser.parse_args(argv)
+    options = parser.parse_args(argv)
+    if options.microphone and (options.wav or options.film):
+        parser.error("--microphone is not allowed with --wav or --film")
+    return options
 
 
 def _session(

@@ -7,6 +7,7 @@ recorded with `--film`; `make film` does both. The words that are said stand bel
 
 from __future__ import annotations
 
+import argparse
 import io
 import sys
 import threading
@@ -180,8 +181,14 @@ def framed(image: Image.Image, words: str, width: int) -> Image.Image:
     return page
 
 
-def main(session: Path) -> int:
+def main(words: Sequence[str] | None = None) -> int:
     """Make both films of a session; returns the exit status."""
+    parser = argparse.ArgumentParser(prog="demo.film", description=__doc__)
+    parser.add_argument("session", type=Path, help="folder of the session")
+    session = parser.parse_args(words).session
+    if not (session / "session.mcap").is_file():
+        print(f"no session.mcap in {session}", file=sys.stderr)
+        return 2
     from demo.video import write_video  # its encoder is a developer's package
 
     pictures = write_film(session / "session.mcap", session / "film.gif")
@@ -196,4 +203,4 @@ def main(session: Path) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(Path(sys.argv[1])))
+    sys.exit(main())

@@ -5,28 +5,25 @@
 Start it like plan_through_trocar.py, with the folder of a session behind it.
 """
 
-from __future__ import annotations
-
 import sys
 
-from session_log import SessionReader, read_columns, read_summary
-
-UTTERANCES, STATES = "/voice_assist/utterance", "/rst_control/state"
+from session_log import SessionLogError, SessionReader, read_columns, read_summary
 
 
-def main(session: str) -> None:
+def main(session: str = ".") -> None:
     """Show what was heard, and the largest RCM error inside the patient."""
     reader = SessionReader(session)
     recording = read_summary(reader)
     print(f"{recording.messages} messages in {recording.duration:.1f} s")
-    heard, states = (read_columns(reader, topic) for topic in (UTTERANCES, STATES))
-    taken = heard["command"] != ""
-    for transcript, command in zip(
-        heard["transcript"][taken], heard["command"][taken], strict=True
-    ):
-        print(f"{transcript!r} was taken for {command!r}")
-    inside = states["insertion"] >= 0.0
-    print(f"RCM error inside the patient: {states['rcm_error'][inside].max() * 1e6:.1f} um at most")
+    heard = read_columns(reader, "/voice_assist/utterance")
+    states = read_columns(reader, "/rst_control/state")
+    if not heard or not states:
+        sys.exit(f"{session}: no utterance or no state was recorded")
+    for transcript, command in zip(heard["transcript"], heard["command"], strict=True):
+        if command:
+            print(f"{transcript!r} was taken for {command!r}")
+    inside = states["rcm_error"][states["insertion"] >= 0.0]
+    print(f"RCM error inside the patient: {inside.max(initial=0.0) * 1e6:.1f} um at most")
     try:
         import pandas as pd
     except ImportError:
@@ -37,4 +34,7 @@ def main(session: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    try:
+        main(*sys.argv[1:2])
+    except SessionLogError as error:
+        sys.exit(str(error))

@@ -6,16 +6,13 @@ It needs no ROS master:
 . catkin_ws/devel/setup.sh; .venv/bin/python examples/what_would_be_commanded.py sound.wav
 """
 
-from __future__ import annotations
-
 import sys
 
 import numpy as np
 
 import voice_assist as va
 
-RATE = 16_000  # [Hz]
-QUIET = np.zeros(RATE, np.float32)  # before and after, so that the end can be heard
+QUIET = np.zeros(16_000, np.float32)  # 1 s before and after, so that the end can be heard
 
 
 def main(path: str) -> None:
@@ -35,4 +32,9 @@ def main(path: str) -> None:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    if len(sys.argv) != 2:
+        sys.exit("what_would_be_commanded.py needs a sound file")
+    try:
+        main(sys.argv[1])
+    except va.VoiceError as error:
+        sys.exit(str(error))

@@ -53,8 +53,13 @@ def main(words: Sequence[str] | None = None) -> int:
         repetitions = options.repetitions or config.repetitions
         out = (options.out or ROOT / "sessions" / f"paper_{repetitions}").resolve()
         voices = chosen_voices(config, options.voices, installed_voices(config))
+        out.mkdir(parents=True, exist_ok=True)
     except ConfigError as error:
         console.print(f"[red]{error}[/red]", highlight=False)
+        return 2
+    except OSError as error:
+        words = f"The folder of the sessions cannot be made: {error.filename}: {error.strerror}"
+        console.print(words, style="red", highlight=False, markup=False)
         return 2
     if options.session:
         if PEDAL in options.input:
@@ -84,7 +89,7 @@ def _parse(words: Sequence[str] | None) -> argparse.Namespace:
 
 def _inputs(word: str) -> tuple[str, ...]:
     found = tuple(word.split(","))
-    if not found or not set(found) <= {VOICE, PEDAL}:
+    if not set(found) <= {VOICE, PEDAL} or len(set(found)) < len(found):
         raise argparse.ArgumentTypeError(f"{word!r}: allowed are voice, pedal and voice,pedal")
     return found
 

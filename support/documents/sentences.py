@@ -7,6 +7,7 @@ of a table counts by itself. Ends with 1 where a sentence is longer.
 
 from __future__ import annotations
 
+import argparse
 import re
 import sys
 from collections.abc import Iterator, Sequence
@@ -56,8 +57,10 @@ def too_long(text: str) -> list[tuple[int, str]]:
 
 def main(arguments: Sequence[str]) -> int:
     """Print the sentences that are too long; 1 where there are some."""
+    parser = argparse.ArgumentParser(prog="support.documents.sentences", description=__doc__)
+    parser.add_argument("pages", nargs="*", type=Path, metavar="PAGE", help="all, where none is")
     total = 0
-    for page in [Path(name) for name in arguments] or pages():
+    for page in parser.parse_args(arguments).pages or pages():
         for words, sentence in too_long(page.read_text(encoding="utf-8")):
             total += 1
             print(f"{page.resolve().relative_to(ROOT)}: {words} words: {sentence[:90]}")

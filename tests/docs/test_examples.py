@@ -66,3 +66,24 @@ def test_a_command_in_a_sound_file_would_be_given_and_talk_would_not(tmp_path):
     output = run("what_would_be_commanded.py", tmp_path / "said.wav")
     nothing, given = r".*: nothing, no_command: WER .*", r"'pull more.*': 'pull more', confidence"
     assert re.fullmatch(rf"{nothing}\n{given} 0\.\d\d\n", output), output
+
+
+@pytest.mark.parametrize(
+    ("example", "words", "said"),
+    [
+        ("session_to_data_frame.py", [], ".: a folder without session.mcap"),
+        ("session_to_data_frame.py", ["no.mcap"], "no.mcap: no such file or folder"),
+        ("session_to_data_frame.py", ["cut.mcap"], "cut.mcap: no utterance or no state was"),
+        ("what_would_be_commanded.py", [], "what_would_be_commanded.py needs a sound file"),
+        ("what_would_be_commanded.py", ["no.wav"], "no.wav: no such file"),
+        ("what_would_be_commanded.py", ["--help"], "--help: no such file"),
+    ],
+)
+def test_what_an_example_cannot_read_is_said_in_one_line(tmp_path, example, words, said):
+    write_session(tmp_path / "whole.mcap", rate=20)
+    whole = (tmp_path / "whole.mcap").read_bytes()
+    (tmp_path / "cut.mcap").write_bytes(whole[:20])
+    command = [sys.executable, EXAMPLES / example, *words]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr.startswith(said) and done.stderr.count("\n") == 1

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The command that reports long sentences finds them, and only them."""
 
+import pytest
+
 from support.documents.sentences import main, sentences, too_long
 
 LONG = "Word " + "word " * 24 + "end."
@@ -33,3 +35,9 @@ def test_the_command_names_page_words_and_beginning(tmp_path, capsys, monkeypatc
     shown = capsys.readouterr().out
     assert shown.startswith("page.md: 26 words: Word word")
     assert shown.endswith("1 sentences have more than 25 words\n")
+
+
+def test_it_says_how_it_is_used(capsys):
+    with pytest.raises(SystemExit, match="0"):
+        main(["--help"])
+    assert "[PAGE ...]" in capsys.readouterr().out

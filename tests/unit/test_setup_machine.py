@@ -133,6 +133,15 @@ def test_an_install_space_gets_a_plain_path_too(machine, prefix):
     assert prefix in printed and len(printed.splitlines()) == 1
 
 
+@pytest.mark.parametrize("prefix", ["/proc/x", "{}/file", "{}/file/x"])
+def test_a_prefix_that_cannot_be_written_is_refused_before_the_build(machine, tmp_path, prefix):
+    (tmp_path / "file").touch()
+    copy, prefix = machine(), prefix.format(tmp_path)
+    words = f"PREFIX is '{prefix}', allowed: a folder that can be made and written\n"
+    assert run(copy, "docker/setup.sh", "install", prefix) == (1, words)
+    assert not (tmp_path / TOUCHED).exists() and not (copy / ".setup").exists()
+
+
 def test_readers_in_javascript_are_installed_by_their_lock(machine):
     copy = machine()
     program(copy.parent / "tools/npm", f'echo "$@" >>{copy.parent}/{TOUCHED}')

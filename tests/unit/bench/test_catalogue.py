@@ -36,6 +36,13 @@ def test_an_unknown_name_is_refused_and_nothing_is_measured(capsys, monkeypatch)
         assert allowed in listed.rstrip().split(", ")
 
 
+def test_it_says_how_it_is_used_and_measures_nothing(capsys, monkeypatch):
+    monkeypatch.setattr(main_module, "run", lambda *_: pytest.fail("measured"))
+    with pytest.raises(SystemExit, match="0"):
+        main_module.main(["--help"])
+    assert "usage: make bench" in capsys.readouterr().out
+
+
 def test_a_part_or_a_family_is_measured_once_however_often_it_is_named(monkeypatch):
     assert ran_by(["voice.near"], monkeypatch) == ["voice/near"]
     family = ran_by(["sessions", "sessions.flood", "motion"], monkeypatch)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from rst_control.config import URDF_FILE
+from rst_control.description import urdf_writer
 from rst_control.description.facts import FACTS_FILE, BodyFact, load_facts
 from rst_control.description.urdf_writer import cylinder_pose, main, urdf_text
 from rst_control.kinematics.robot_model import rotation
@@ -27,6 +28,32 @@ def test_the_command_writes_the_file_and_then_finds_it_up_to_date(tmp_path, caps
     file.write_text("<robot/>")
     assert main([str(file), "--check"]) == 1
     assert "out of date" in capsys.readouterr().out
+    file.write_bytes(b"\xff\x00")
+    assert main([str(file), "--check"]) == 1
+    assert capsys.readouterr().out == "robot.urdf is out of date\n"
+
+
+def test_what_is_no_urdf_is_not_overwritten(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(urdf_writer, "URDF_FILE", tmp_path / "shipped.urdf")
+    facts, same = tmp_path / "long_shaft.yaml", tmp_path / "facts.urdf"
+    for file in (facts, same):
+        file.write_bytes(FACTS_FILE.read_bytes())
+    for words in ([str(facts)], [str(same), "--facts", str(tmp_path / "." / "facts.urdf")]):
+        assert main(words) == 2
+        assert capsys.readouterr().err == (
+            f"urdf_writer: FILE is '{words[0]}', allowed: a file .urdf other than that of --facts\n"
+        )
+    with pytest.raises(SystemExit, match="2"):
+        main([])
+    assert "FILE is missing" in capsys.readouterr().err
+    assert sorted(tmp_path.iterdir()) == [same, facts]
+    assert same.read_bytes() == facts.read_bytes() == FACTS_FILE.read_bytes()
+
+
+def test_it_says_its_version(capsys):
+    with pytest.raises(SystemExit, match="0"):
+        main(["--version"])
+    assert capsys.readouterr().out.startswith("urdf_writer ")
 
 
 @pytest.mark.parametrize(
@@ -52,11 +79,17 @@ def test_a_wrong_number_is_named_in_one_line_and_nothing_is_written(
     assert not file.exists()
 
 
-@pytest.mark.parametrize("arguments", [["nowhere/x.urdf"], ["x.urdf", "--facts", "nowhere.yaml"]])
-def test_a_file_that_is_not_there_is_named_in_one_line(capsys, arguments):
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere/x.urdf"], "urdf_writer: nowhere/x.urdf: No such file or directory"),
+        (["x.urdf", "--facts", "nowhere.yaml"], "urdf_writer: nowhere.yaml is 'No such file"),
+    ],
+)
+def test_a_file_that_is_not_there_is_named_in_one_line(capfd, arguments, words):
     assert main(arguments) == 2
-    said = capsys.readouterr().err
-    assert "nowhere" in said and said.count("\n") == 1
+    said = capfd.readouterr().err
+    assert said.startswith(words) and said.count("\n") == 1
 
 
 def test_all_turns_between_frames_are_exact_quarters(robot_xml):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from mcap_ros1.writer import Writer
 from sensor_msgs.msg import JointState
+from tf2_msgs.msg import TFMessage
 
 from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.registration.calibrate_cli import main
@@ -17,6 +18,7 @@ from rst_control.types import JOINTS
 from tests.support.other_tool import tool_beside
 
 TOPIC = "/joint_states"
+NO_VELOCITIES = "The file has no velocities"
 SHIFTS = [(0.0, 0.0), (0.03, 0.0), (-0.03, 0.0), (0.0, 0.03), (0.0, -0.03), (0.02, 0.02)]
 
 
@@ -73,11 +75,13 @@ def test_the_trocar_of_a_session_is_printed_with_its_residual(capsys, session):
     assert printed(capsys, session / "session.mcap") == out
 
 
-def test_the_shaft_is_that_of_the_tool_that_is_described(capsys, tmp_path, session):
+def test_the_shaft_is_that_of_the_tool_that_is_described(capfd, tmp_path, session):
     urdf = tmp_path / "beside.urdf"
     urdf.write_text(tool_beside(0.01))
-    assert "mm from the common point, allowed 1.000 mm" in refused(capsys, session, "--urdf", urdf)
-    assert "none.urdf" in refused(capsys, session, "--urdf", tmp_path / "none.urdf")
+    assert "mm from the common point, allowed 1.000 mm" in refused(capfd, session, "--urdf", urdf)
+    none = tmp_path / "none.urdf"
+    said = refused(capfd, session, "--urdf", none)
+    assert said == f"calibrate_trocar: {none}: No such file or directory\n"
 
 
 def test_a_second_visit_of_the_same_name_is_the_one_that_counts(capsys, caplog, session, visit):
@@ -93,7 +97,17 @@ def test_a_second_visit_of_the_same_name_is_the_one_that_counts(capsys, caplog, 
 
 
 def test_poses_in_motion_count_only_when_asked_for(capsys, session):
-    assert "residual 0.000 mm" not in printed(capsys, session, "--moving")
+    out = printed(capsys, session, "--moving")
+    assert "residual 0.000 mm" not in out and NO_VELOCITIES not in out
+    assert NO_VELOCITIES not in printed(capsys, session)
+
+
+def test_without_velocities_it_is_said_that_poses_in_motion_count(capsys, tmp_path, visit):
+    path = write_mcap(tmp_path / "silent.mcap", [(position, []) for position, _ in visit])
+    out = printed(capsys, path)
+    assert out.startswith(f"{NO_VELOCITIES}, so poses in motion count, too.\n")
+    assert "residual 0.000 mm" not in out
+    assert NO_VELOCITIES not in printed(capsys, path, "--moving")
 
 
 def test_a_trocar_that_moved_half_way_is_refused_and_the_poses_are_shown(capsys, tmp_path, visit):
@@ -171,8 +185,8 @@ def test_every_file_that_cannot_be_used_is_named_with_the_reason(capsys, tmp_pat
         "missing.mcap": (None, "No such file"),
         "cut.mcap": (whole[: len(whole) // 2], "session_log recover"),
         "flipped.mcap": (flipped(whole), "session_log recover"),
-        "empty.mcap": (b"", "session_log recover"),
-        "other.mcap": (b"x" * 1000, "session_log recover"),
+        "empty.mcap": (b"", ": neither a .csv nor an MCAP file\n"),
+        "other.mcap": (b"x" * 1000, ": neither a .csv nor an MCAP file\n"),
         "other.csv": (b"a,b\n1,2\n", "no joint states: 'joint_1' is missing"),
         "words.csv": (",".join(JOINTS).encode() + b"\n" + b"x," * 10, "no joint states"),
         "none.csv": (b"", "no joint states"),
@@ -183,6 +197,15 @@ def test_every_file_that_cannot_be_used_is_named_with_the_reason(capsys, tmp_pat
         error = refused(capsys, tmp_path / name)
         assert name in error and reason in error, (name, error)
     assert "no joint states on /arm" in refused(capsys, session, "--topic", "/arm")
+    (tmp_path / "folder").mkdir()
+    assert "folder: no recording in this folder\n" in refused(capsys, tmp_path / "folder")
+
+
+def test_a_topic_of_another_type_is_refused_with_both_types(capsys, tmp_path):
+    with (tmp_path / "tf.mcap").open("wb") as file, Writer(file) as writer:
+        writer.write_message("/tf", TFMessage(), log_time=1)
+    error = refused(capsys, tmp_path / "tf.mcap", "--topic", "/tf")
+    assert "/tf is tf2_msgs/TFMessage, allowed: sensor_msgs/JointState\n" in error
 
 
 def test_a_message_without_a_joint_of_the_arm_is_refused(tmp_path, visit):

@@ -27,7 +27,7 @@ from typed_config import ConfigError, add_common_options, number_option, run_com
 
 def main(words: Sequence[str] | None = None) -> None:
     """Run the command line; exits with 0, or with 1 and what is wrong."""
-    arguments, refusals = _parser().parse_args(words), (RstError, ConfigError, OSError)
+    arguments, refusals = _parser().parse_args(words), (RstError, ConfigError)
     if status := run_command(lambda: _calibrate(arguments), "calibrate_trocar", refusals, failed=1):
         sys.exit(status)
 
@@ -39,6 +39,8 @@ class NoTrocar(RstError):
 def _calibrate(arguments: argparse.Namespace) -> None:
     config = load_motion_config(arguments.config)
     poses, fit = _fit(arguments, config)
+    if not arguments.moving and any(np.isnan(pose.speed) for pose in poses):
+        print("The file has no velocities, so poses in motion count, too.")
     print(_report(poses, fit))
     if objection := fit_objection(fit, config.rcm.registration.tolerance):
         raise NoTrocar(objection)

@@ -22,6 +22,8 @@ from rst_control.errors import RstError
 from rst_control.types import ARM_JOINTS, Vector, frozen_array
 from typed_config import newest_recording
 
+MCAP_MAGIC = b"\x89MCAP0\r\n"  # with which a file begins
+JOINT_STATES = "sensor_msgs/JointState"
 UNREADABLE_MCAP = (McapError, CRCValidationError, ZstdError, struct.error, EOFError)
 
 
@@ -54,7 +56,10 @@ def read_arm(path: Path, topic: str) -> Iterator[ArmSample]:
     Raises:
         PoseFileError: The file is missing, damaged or holds something else.
     """
-    path = newest_recording(path) or path
+    recording = newest_recording(path)
+    if recording is None and path.is_dir():
+        raise PoseFileError(path, "no recording in this folder")
+    path = recording or path
     start: float | None = None
     try:
         samples = _read_csv(path) if path.suffix == ".csv" else _read_mcap(path, topic)
@@ -64,9 +69,7 @@ def read_arm(path: Path, topic: str) -> Iterator[ArmSample]:
     except OSError as error:
         raise PoseFileError(path, error.strerror or repr(error)) from error
     except UNREADABLE_MCAP as error:
-        words = f"neither a .csv nor a whole MCAP file ({error!r})"
-        words = f"{words}; `session_log recover` mends a recording that was cut short"
-        raise PoseFileError(path, words) from error
+        raise PoseFileError(path, _unreadable(path)) from error
     except KeyError as error:
         raise PoseFileError(path, f"no joint states: {error} is missing") from error
     except (ValueError, TypeError) as error:
@@ -101,10 +104,21 @@ def rest_poses(
 Row = tuple[float, Sequence[str], Sequence[float], Sequence[float]]  # time, names, [rad], [rad/s]
 
 
+def _unreadable(path: Path) -> str:
+    with path.open("rb") as file:
+        if file.read(len(MCAP_MAGIC)) != MCAP_MAGIC:
+            return "neither a .csv nor an MCAP file"
+    return "no whole MCAP file; `session_log recover` mends a recording that was cut short"
+
+
 def _read_mcap(path: Path, topic: str) -> Iterator[Row]:
     with path.open("rb") as file:
         reader = NonSeekingReader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
-        for _, _, _, message in reader.iter_decoded_messages([topic], log_time_order=False):
+        decoded = reader.iter_decoded_messages([topic], log_time_order=False)
+        for schema, _, _, message in decoded:
+            if schema is None or schema.name != JOINT_STATES:
+                found = schema.name if schema else "of no type"
+                raise TypeError(f"{topic} is {found}, allowed: {JOINT_STATES}")
             stamp: Any = message.header.stamp
             yield stamp.secs + stamp.nsecs * 1e-9, message.name, message.position, message.velocity
 

@@ -17,6 +17,5 @@ def main() -> None:
     """Become rviz with our layout; arguments, such as those of roslaunch, go through to it."""
     program = shutil.which("rviz")
     if program is None:
-        print(MISSING, file=sys.stderr)
-        return
+        sys.exit(MISSING)
     os.execv(program, [program, "-d", str(LAYOUT), *sys.argv[1:]])
