@@ -205,6 +205,44 @@ def test_a_step_below_the_band_is_refused(verify, tensed):
     assert_refused(decision, Reason.TENSION_LIMIT, "-0.05 N")
 
 
+@pytest.mark.parametrize(
+    ("words", "target", "steps", "limit"), [("pull more", 1.0, 10, 2.0), ("pull less", 0.3, 2, 0.1)]
+)
+def test_steps_that_end_at_a_limit_are_taken_to_it(verify, tensed, words, target, steps, limit):
+    """The sums of these steps are 2.000000000000001 and 0.09999999999999998 N."""
+    for _ in range(steps):
+        here = holding(tensed, tension=target, target=target)
+        decision = verify(request(words, tension=0.1), here)
+        assert isinstance(decision, Accepted), decision.words
+        target = decision.plan.phases[0].tension
+    assert target == decision.plan.grasp.tension == limit
+    beyond = verify(request(words, tension=0.1), holding(tensed, tension=target, target=target))
+    assert_refused(beyond, Reason.TENSION_LIMIT, "allowed 0.10 to 2.00 N")
+
+
+def test_a_target_that_rounding_alone_puts_beyond_a_limit_is_the_limit(verify, joints):
+    decision = verify(request("tense", tension=2.0 + 1e-12), situation(joints))
+    assert decision.plan.phases[-1].tension == decision.plan.grasp.tension == 2.0
+
+
+@pytest.mark.parametrize(
+    ("target", "words"),
+    [
+        (2.004, "would be 2.004 N, allowed 0.100 to 2.000 N"),
+        (0.0996, "would be 0.0996 N, allowed 0.1000 to 2.0000 N"),
+        (2.00000001, "would be 2.00000001 N, allowed 0.10000000 to 2.00000000 N"),
+    ],
+)
+def test_a_tension_just_beyond_a_limit_is_not_printed_as_the_limit(verify, joints, target, words):
+    decision = verify(request("tense", tension=target), situation(joints))
+    assert_refused(decision, Reason.TENSION_LIMIT, words)
+
+
+def test_nor_is_a_present_tension(verify, joints):
+    decision = verify(request("tense"), situation(joints, tension=2.404))
+    assert_refused(decision, Reason.TENSION_LIMIT, "is 2.404 N already, allowed 2.400 N")
+
+
 def test_a_present_tension_over_the_limit_lets_only_less_through(verify, tensed):
     tight = holding(tensed, tension=2.5, target=1.0)
     assert_refused(verify(request("pull more"), tight), Reason.TENSION_LIMIT)

@@ -4,12 +4,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rst_control.config import CONFIG_FOLDER, EMPTY, load_motion_config, load_simulation_config
+from rst_control.config import (
+    CONFIG_FOLDER,
+    EMPTY,
+    MotionConfig,
+    load_motion_config,
+    load_simulation_config,
+)
 from rst_control.config.motion import MIN_OPEN
 from rst_control.config.torque_tension import load_torque_tension
 from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.rcm import rcm_state
-from typed_config import ConfigError
+from typed_config import ConfigError, load_config, load_yaml, overlaid
+
+SECTIONS = ("limits", "rcm", "scene", "controller", "collision")
 
 
 def test_the_shipped_settings_load():
@@ -39,7 +47,7 @@ def test_cameras_of_one_picture_have_one_height():
 
 def changed_folder(tmp_path, file, line, changed):
     """The shipped settings with one line changed."""
-    for name in ("limits", "rcm", "scene", "controller", "collision", "torque_tension"):
+    for name in (*SECTIONS, "torque_tension"):
         text = (CONFIG_FOLDER / f"{name}.yaml").read_text()
         if f"{name}.yaml" == file:
             assert text.count(line) == 1
@@ -81,6 +89,64 @@ def test_jaws_that_never_end_a_grasp_and_a_tool_without_room_are_refused(
         limits.write_text(limits.read_text().replace("\npitch: 1.5 ", "\npitch: 0.15 "))
     with pytest.raises(ConfigError, match=words):
         load_motion_config(folder)
+
+
+def with_jaws(config, layer, scale=1.0, **jaws):
+    """Settings with other limits of the active layer, another scale and other jaws."""
+    limits, controller = config.limits, config.controller
+    layers = (replace(limits.active, **layer), *limits.layers[1:])
+    speed, jaws = replace(controller.speed, scale=scale), replace(controller.jaws, **jaws)
+    return replace(
+        config,
+        limits=replace(limits, layers=layers),
+        controller=replace(controller, speed=speed, jaws=jaws),
+    )
+
+
+@pytest.mark.parametrize(
+    ("layer", "jaws", "words"),
+    [
+        (
+            {"tool_velocity": 0.05, "tool_acceleration": 0.1},
+            {"speed": 3.0, "acceleration": 20.0},
+            r"controller.jaws.speed is 3.0, allowed: up to 0.1 rad/s, twice tool_velocity of "
+            r"limits.layers \(hard: 0.05 rad/s\) over controller.speed.scale \(1\)",
+        ),
+        (
+            {"tool_acceleration": 0.1},
+            {"acceleration": 20.0},
+            r"controller.jaws.acceleration is 20.0, allowed: up to 0.2 rad/s\^2, twice "
+            r"tool_acceleration of limits.layers \(hard: 0.1 rad/s\^2\)",
+        ),
+        (
+            {"tool_acceleration": 3.0},
+            {},
+            r"controller.jaws.braking is 10.0, allowed: up to 6 rad/s\^2, twice tool_acceleration",
+        ),
+    ],
+)
+def test_jaws_that_pass_the_limits_of_the_tool_are_refused(motion_config, layer, jaws, words):
+    with pytest.raises(ConfigError, match=words):
+        with_jaws(motion_config, layer, **jaws)
+
+
+def test_a_scaled_speed_of_the_jaws_may_be_as_high_as_the_limits_of_the_tool(motion_config):
+    slow = {"tool_velocity": 0.15}
+    assert with_jaws(motion_config, slow, scale=0.1, speed=3.0).controller.jaws.speed == 3.0
+    with pytest.raises(ConfigError, match=r"controller\.jaws\.speed"):
+        with_jaws(motion_config, slow, scale=0.11, speed=3.0)
+
+
+@pytest.mark.parametrize("scale", [0.1, 1.0])
+def test_the_shipped_settings_of_the_kinova_fit_each_other(scale):
+    files = {name: load_yaml(CONFIG_FOLDER / f"{name}.yaml") for name in SECTIONS}
+    files["limits"] = load_yaml(CONFIG_FOLDER / "kinova_limits.yaml")
+    over = load_yaml(CONFIG_FOLDER / "kinova_controller.yaml")
+    scaled = overlaid(over, {"controller": {"speed": {"scale": scale}}})
+    config = load_config(MotionConfig, overlaid(files, scaled), "kinova settings")
+    assert 0.5 * config.controller.jaws.braking <= config.limits.active.tool_acceleration == 3.0
+    with pytest.raises(ConfigError, match=r"controller.jaws.braking is 10.0"):
+        load_config(MotionConfig, files, "kinova_limits.yaml without kinova_controller.yaml")
 
 
 def test_a_tare_waits_for_no_more_than_all_jaws_open(tmp_path):

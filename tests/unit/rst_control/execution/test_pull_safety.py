@@ -1,13 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Whatever goes wrong during a pull, the tissue feels no more than its limit."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from rst_control.types import State
+from tests.support.fake_robot import FakeRobot
 from tests.unit.rst_control.support.executor_rig import Rig
 
 STIFFNESSES = [80.0, 600.0, 4000.0]
+
+
+def reading(rig, tension):
+    """Let the sensor read this from now on [N], whatever the tissue feels."""
+    along = -rig.robot.tissue.force(rig.joints)
+    force = tension * along / np.linalg.norm(along)
+    rig.robot.measured_js = lambda: replace(FakeRobot.measured_js(rig.robot), force=force)
 
 
 def felt(rig):
@@ -139,3 +149,31 @@ def test_faults_and_pushes_lengthen_no_pull():
         assert "allowed 0 to 30.0 mm" in pending.reply.result(0).message
     assert most - 0.004 < rig.view.pulled <= most
     assert felt(rig) <= 30.0 * most
+
+
+@pytest.mark.parametrize("first", [None, 1.3, 1.6])  # [N]
+def test_a_pull_with_an_outlying_first_reading_is_watched_like_any_other(first):
+    rig = Rig(100.0).awake().believing()
+    rig.finish("tense")
+    pending = rig.queue.take("pull more", "test")
+    rig.queue.check(rig.queue.next(0.0))
+    reading(rig, first or rig.view.tension)
+    rig.tick()
+    assert pending.reply.result(0).accepted and rig.state is State.MOVING
+    del rig.robot.measured_js
+    rig.run(0.1)
+    assert rig.state is State.MOVING and rig.view.motion.path_speed > 0.0
+    reading(rig, 2.6)
+    rig.tick()
+    assert rig.state is not State.MOVING
+    assert "tension 2.60 N" in rig.view.mode.reason and "allowed 2.40 N" in rig.view.mode.reason
+
+
+def test_no_tension_stops_an_easing_motion():
+    rig = Rig(100.0).awake()
+    rig.finish("tense")
+    rig.robot.tissue.stiffness = 260.0
+    rig.run(0.1)
+    assert rig.view.tension > rig.config.controller.tension.limit
+    rig.finish("pull less")
+    assert felt(rig) == pytest.approx(rig.config.controller.tension.maximum, abs=0.03)

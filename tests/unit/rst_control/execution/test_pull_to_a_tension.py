@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A pull whose tension is not yet confirmed waits where it may go no further, then goes on."""
+"""Where a pull to a tension waits, and that one outlying reading neither ends nor unwatches it."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -54,3 +55,77 @@ def test_it_rests_where_a_reading_must_confirm_it_and_goes_on(kind, between):
 def measured(stamp, tension):
     still = np.zeros(10)
     return Measurement(still, still, still, stamp, np.array([0.0, 0.0, -tension]), gripped=True)
+
+
+class Sensed:
+    """Held tissue of 100 N/m that a pull to a tension moves, its readings 8 ms late."""
+
+    stiffness, config = 100.0, load_motion_config().controller.tension
+
+    def __init__(self, goal, start):
+        knots = np.zeros((4, 9))
+        knots[:, 0] = np.linspace(0.0, LENGTH, 4)
+        path = Path(knots, np.tile([1.0, *[0.0] * 8], (4, 1)), LENGTH)
+        phase = Phase(PhaseKind.STEP, path, target=LENGTH, speed=0.02, tension=goal)
+        self.response = GraspResponse(self.config, 0.2)
+        for tick in range(400):  # from the grasp to where it starts
+            s = start * min(1.0, tick / 200)
+            self.response.update((tick - 400) * PERIOD, s, self.stiffness * s)
+        begin = PhaseStart(phase, path, PathState(start), 0.0, BOUNDS, BOUNDS)
+        self.run = TensionPhase(begin, self.config, self.response)
+        self._places, self._now = [start] * 4, 0.0
+
+    @property
+    def tension(self):
+        return self.stiffness * self.run.state.s
+
+    def tick(self, read=None):
+        """Go on by a tick, with what is read in it [N]; None: the tension that was."""
+        self._places.append(self.run.state.s)
+        true = self.stiffness * self._places.pop(0)
+        reading = measured(self._now, true if read is None else read)
+        self.response.update(reading.stamp, self.run.state.s, reading.tension)
+        self.run.step(PERIOD, reading)
+        self._now += PERIOD
+
+    def finish(self):
+        """Go on to its end; the course, as places and whether it pulls there."""
+        course = []
+        while not self.run.is_done and self._now < 20.0:
+            self.tick()
+            course.append((self.run.state.s, self.run.is_pulling))
+        assert self.run.is_done and self.run.failure is None
+        return course
+
+
+@pytest.mark.parametrize("first", [1.0, 1.3, 1.6, 2.3])
+def test_a_pull_is_one_whatever_its_first_reading_says(first):
+    tissue = Sensed(goal=1.25, start=0.010)
+    tissue.tick(first)
+    course = tissue.finish()
+    ways = [(now[0] - last[0], now[1]) for last, now in pairwise(course)]
+    assert sum(way for way, is_pulling in ways if way > 0.0 and is_pulling) > 0.0023
+    assert sum(way for way, is_pulling in ways if way > 0.0 and not is_pulling) < 1e-5
+    assert tissue.tension == pytest.approx(1.25, abs=0.03)
+
+
+def test_easing_is_no_pull_until_it_goes_forward_again():
+    tissue = Sensed(goal=0.75, start=0.010)
+    course = tissue.finish()
+    assert not any(is_pulling for _, is_pulling in course[: len(course) // 2])
+    assert tissue.tension == pytest.approx(0.75, abs=0.03)
+
+
+def test_a_pull_from_the_grasp_is_not_done_by_a_first_reading_above_its_goal():
+    tissue = Sensed(goal=1.0, start=0.0)
+    tissue.tick(1.3)
+    assert not tissue.run.is_done
+    tissue.finish()
+    assert tissue.tension == pytest.approx(1.0, abs=0.03)
+
+
+def test_a_tension_that_stays_too_high_with_nothing_to_ease_ends_where_it_is():
+    tissue = Sensed(goal=1.0, start=0.0)
+    for _ in range(round(2.0 * tissue.config.settle_time / PERIOD)):
+        tissue.tick(1.3)
+    assert tissue.run.is_done and tissue.run.state.s == 0.0

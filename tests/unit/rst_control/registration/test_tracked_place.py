@@ -49,6 +49,49 @@ def test_a_place_of_a_moment_is_not_taken_yet():
     refused(place.taken(now), Reason.TRACKER_STALE, "tracked for 0.08 s")
 
 
+def first_taken(steady_time, age, period):
+    """Time from the first report to the one with which the place is taken, and the last refusal."""
+    place = SteadyPlace(replace(CONFIG.grasp_point, steady_time=steady_time), age, HOME)
+    refusal = None
+    for number in range(1000):
+        now = 5.0 + number * period
+        place.update(Report(HOME, now))
+        if isinstance(place.taken(now), Report):
+            return now - 5.0, refusal
+        refusal = place.taken(now)
+    raise AssertionError(refusal)
+
+
+@pytest.mark.parametrize("period", [0.02, 0.04, 0.07, 0.1])
+@pytest.mark.parametrize("age", [0.2, 0.5, 2.0])
+@pytest.mark.parametrize("steady_time", [0.05, 0.5, 1.0])
+def test_a_place_is_taken_once_it_was_steady_for_as_long_as_the_refusal_names(
+    steady_time, age, period
+):
+    taken, refusal = first_taken(steady_time, age, period)
+    assert steady_time - 1e-6 <= taken < steady_time + period
+    refused(refusal, Reason.TRACKER_STALE, f"allowed from {steady_time:.2f} s on")
+
+
+@pytest.mark.parametrize("age", [0.2, 0.5, 2.0])
+def test_one_report_is_never_taken(age):
+    place = SteadyPlace(CONFIG.grasp_point, age, HOME)
+    place.update(Report(HOME, 5.0))
+    refused(place.taken(5.0), Reason.TRACKER_STALE, "tracked for 0.00 s")
+    place.update(Report(HOME, 5.0 + 2.0 * age))  # nobody knows where it was meanwhile
+    refused(place.taken(5.0 + 2.0 * age), Reason.TRACKER_STALE, "tracked for 0.00 s")
+
+
+def test_a_jump_just_before_the_last_reports_counts():
+    """Reports so rare that few of them make up the time: they have to cover all of it."""
+    place = SteadyPlace(CONFIG.grasp_point, 0.4, HOME)
+    for number, aside in enumerate([0.005, 0.0, 0.0]):
+        place.update(Report(HOME + np.array([0.0, aside, 0.0]), 5.0 + 0.3 * number))
+    refused(place.taken(5.6), Reason.TRACKER_JUMPED, "went 5.0 mm")
+    place.update(Report(HOME, 5.9))
+    assert isinstance(place.taken(5.9), Report)
+
+
 def test_an_old_place_is_refused_with_its_age():
     place, now = steady([HOME] * 60)
     refused(place.taken(now + 0.5), Reason.TRACKER_STALE, "0.50 s old")

@@ -31,6 +31,7 @@ class Pull:
         viscous=0.0,
         delay=2,
         s=0.0,
+        start_speed=0.0,
         target=1.0,
         bend=None,
         slack=0.0,
@@ -44,7 +45,7 @@ class Pull:
         speed = config.speed
         bounds = MotionBounds(speed.pull_speed, speed.acceleration, speed.jerk)
         self.brakes = MotionBounds(speed.pull_speed, BRAKING, speed.braking_jerk)
-        state = PathState(s)
+        state = PathState(s, start_speed)
         self.control = TensionControl(config.tension, bounds, self.brakes, LENGTH, state, target)
         self._seen = [self.force] * delay
         sensors = config.watchdogs.sensors
@@ -180,6 +181,29 @@ def test_easing_never_goes_behind_the_grasp(config):
     pull = Pull(config, 100.0, s=0.005, target=-1.0)
     pull.run(time=5.0)
     assert min(state.s for state in pull.states) >= -1e-9
+
+
+@pytest.mark.parametrize("start_speed", [0.0, 0.01])  # [m/s] of a pull that it takes over from
+def test_easing_pulls_only_while_it_still_or_again_goes_forward(config, start_speed):
+    control = Pull(config, 100.0, s=0.010, start_speed=start_speed, target=0.5).control
+    seen = []
+    for _ in range(80):
+        state = control.step(100.0 * control.state.s, DT)
+        seen.append((state.speed, control.is_pulling))
+    assert all(is_pulling == (speed > 0.0) for speed, is_pulling in seen)
+    assert seen[-1][0] < 0.0
+    for _ in range(3):  # readings below the target
+        assert control.step(0.3, DT).speed < 0.0 and not control.is_pulling
+    while control.step(0.3, DT).speed < 0.0:
+        pass
+    assert control.is_pulling
+
+
+def test_a_pull_that_rests_where_it_may_go_no_further_yet_is_one(config):
+    control = Pull(config, 100.0, s=0.005, target=1.0).control
+    control.bound = 0.005
+    assert control.step(0.5, DT).speed == 0.0
+    assert control.is_pulling
 
 
 def test_speed_acceleration_and_jerk_stay_within_bounds(config):

@@ -135,6 +135,25 @@ def test_tissue_that_relaxes_in_each_rest_is_believed_up_to_the_deficit_in_all()
     assert 0.12 < lost[0] < 0.25
 
 
+@pytest.mark.parametrize("speed", [2e-5, 4e-5, 6e-5])  # [m/s]: 0.04 um from reading to reading
+def test_tissue_that_is_eased_very_slowly_is_no_drift(speed):
+    pull = Pull().go(0.010, lambda s: 100.0 * s).rest(0.5, lambda s: 100.0 * s)
+    assert pull.go(-0.004, lambda s: 100.0 * s, speed).words == ""
+
+
+def test_a_drift_is_found_at_rests_between_slow_ways():
+    pull, since = Pull().go(0.010, lambda s: 100.0 * s), [0.0]
+
+    def drifting(s):
+        since[0] += PERIOD
+        return 100.0 * s - 0.05 * since[0]
+
+    while not pull.words and since[0] < 10.0:
+        pull.go(-2e-5, drifting, speed=2e-5).rest(0.4, drifting)
+    assert "at least" in pull.words or "in all while nothing moved" in pull.words
+    assert 0.05 * since[0] < 0.3
+
+
 def test_easing_and_pulling_again_is_not_objected_to():
     def law(s):
         return 200.0 * s

@@ -11,6 +11,7 @@ from rst_control.commands.held_tissue import held
 from rst_control.commands.pull_by_distance import DistanceForTension
 from rst_control.commands.request import Accepted, PlanningContext, Request
 from rst_control.commands.tension_limits import (
+    bounded,
     ease_refusal,
     present_refusal,
     pulled_before,
@@ -63,6 +64,7 @@ def _plan_tension(context: PlanningContext, is_more: bool) -> Accepted | Rejecte
         refusal = refusal or room_refusal(grasp, furthest, before)
     if refusal is not None:
         return refusal
+    target = bounded(target, config)
     phase = context.along(PhaseKind.STEP, grasp.pull, context.config.speed.pull_speed)
     phase = replace(phase, start=grasp.s, target=max(furthest, grasp.s), tension=target)
     words = f"pulls {'more' if is_more else 'less'}: {base:.2f} N to {target:.2f} N"

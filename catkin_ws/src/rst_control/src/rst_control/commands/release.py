@@ -10,21 +10,19 @@ from rst_control.commands.preconditions import is_off_trocar
 from rst_control.commands.request import Accepted, PlanningContext
 from rst_control.errors import Infeasible
 from rst_control.kinematics.configuration import planning_joints
-from rst_control.planning.plan import Phase, PhaseKind
+from rst_control.planning.plan import Grasp, Phase, PhaseKind
+from rst_control.trajectory.path import Path
 
 
 def plan(context: PlanningContext) -> Accepted:
     """Open the jaws, go back along the pull, then out of the tissue."""
-    grasp = remembered(context)
+    found = remembered(context)
     if _is_measured_off_trocar(context):
         eases: list[Phase] = []
-    elif grasp is None:
+    elif found is None:
         eases = _unplanned_retreat(context)
     else:
-        speed = context.config.speed.tip_speed
-        back = context.along(PhaseKind.EASE, grasp.pull, speed)
-        eases = [replace(back, start=grasp.s, target=0.0)] if grasp.s > 0.0 else []
-        eases.append(context.along(PhaseKind.EASE, grasp.retreat, speed))
+        eases = _way_back(context, *found)
     opening = Phase(PhaseKind.OPEN, opening=context.config.jaws.open)
     words = (
         "opens the jaws and eases off" if eases else "opens the jaws; no way out keeps all limits"
@@ -37,6 +35,16 @@ def _is_measured_off_trocar(context: PlanningContext) -> bool:
     q, _ = planning_joints(context.measured.position)
     place = context.planner.patient.trocar_pose(q)
     return is_off_trocar(place, context.planner.config.rcm.measured_tolerance)
+
+
+def _way_back(context: PlanningContext, grasp: Grasp, ways: tuple[Path, ...]) -> list[Phase]:
+    """Onto the pull where the robot is beside it, back along it, then out of the tissue."""
+    speed = context.config.speed.tip_speed
+    eases = [context.along(PhaseKind.EASE, way, speed) for way in ways]
+    if grasp.s > 0.0:
+        back = context.along(PhaseKind.EASE, grasp.pull, speed)
+        eases.append(replace(back, start=grasp.s, target=0.0))
+    return [*eases, context.along(PhaseKind.EASE, grasp.retreat, speed)]
 
 
 def _unplanned_retreat(context: PlanningContext) -> list[Phase]:

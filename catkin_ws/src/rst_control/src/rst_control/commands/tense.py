@@ -12,6 +12,7 @@ from rst_control.commands.pull_by_distance import DistanceForTension
 from rst_control.commands.request import Accepted, PlanningContext
 from rst_control.commands.tension_limits import (
     ROUNDING,
+    bounded,
     present_refusal,
     target_refusal,
     too_far,
@@ -59,7 +60,7 @@ def plan(context: PlanningContext) -> Accepted | Rejected:
     if request.distance > maximum + ROUNDING:
         return too_far(request.distance, maximum)
     furthest = min(request.distance or maximum, maximum)
-    tension = None if why else target
+    tension = None if why else bounded(target, config)
     words = f"reaches, grasps and pulls to {target:.2f} N"
     if why:
         words = f"reaches, grasps and pulls {furthest * 1e3:.1f} mm{by_distance.words(why)}"

@@ -11,25 +11,39 @@ from rst_control.types import Measurement, Reason, Rejected
 
 MIN_ROOM: Final = 5e-4  # [m] of pull path left, below which pulling further makes no sense
 MIN_EASE: Final = 1e-5  # [m] of pull path to go back; stiff tissue is taut within 0.1 mm
-ROUNDING: Final = 1e-9  # [m] that a path may be shorter than asked for
+ROUNDING: Final = 1e-9  # [m], [N] beyond a limit that sums of steps may be
 AS_PLACED: Final = 1e-5  # [m] of pull beside the place on its path that is taken for none
 
 
 def target_refusal(target: float, config: TensionConfig) -> Rejected | None:
     """Whether a tension [N] may not be asked for."""
     low, high = config.minimum, config.maximum
-    if low <= target <= high:
+    if low - ROUNDING <= target <= high + ROUNDING:
         return None
-    words = f"tension would be {target:.2f} N, allowed {low:.2f} to {high:.2f} N"
+    tension, least, most = _told_apart(target, low, high)
+    words = f"tension would be {tension} N, allowed {least} to {most} N"
     return Rejected(Reason.TENSION_LIMIT, words)
+
+
+def bounded(target: float, config: TensionConfig) -> float:
+    """A tension that may be asked for [N], without the rounding by which it passes a limit."""
+    return min(max(target, config.minimum), config.maximum)
 
 
 def present_refusal(measured: Measurement, config: TensionConfig) -> Rejected | None:
     """Whether the measured tension forbids to pull more."""
     if measured.tension <= (allowed := config.limit):
         return None
-    words = f"tension is {measured.tension:.2f} N already, allowed {allowed:.2f} N"
-    return Rejected(Reason.TENSION_LIMIT, words)
+    tension, most = _told_apart(measured.tension, allowed)
+    return Rejected(Reason.TENSION_LIMIT, f"tension is {tension} N already, allowed {most} N")
+
+
+def _told_apart(tension: float, *limits: float) -> list[str]:
+    """A tension and its limits [N] with as many digits as make it differ from each of them."""
+    digits = 2
+    while digits < 9 and round(tension, digits) in [round(limit, digits) for limit in limits]:
+        digits += 1
+    return [f"{each:.{digits}f}" for each in (tension, *limits)]
 
 
 def predicted_refusal(

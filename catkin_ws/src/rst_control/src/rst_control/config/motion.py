@@ -38,6 +38,7 @@ URDF_FILE = PACKAGE / "urdf" / "gen3_openrst.urdf"
 EMPTY = 0.15  # [rad] between jaws, beyond which they hold nothing: a grasp ends there
 MIN_OPEN = 0.2  # [rad] that open jaws stand apart at least: EMPTY and a reserve
 PROMPT = 0.02  # [s] from a set-point to its measurement, for corrected joints, a followed trocar
+ROUNDING = 1e-9  # [-] share by which a quotient of settings may miss its value
 T = TypeVar("T")
 Arm = tuple[float, float, float, float, float, float, float]
 
@@ -282,6 +283,22 @@ class MotionConfig:
         allowed = f"above {least:g} rad, half of controller.jaws.open ({opening:g} rad)"
         allowed += f" and limits.position_margin ({limits.position_margin:g} rad)"
         require(limits.finger > least, "limits.finger", limits.finger, allowed)
+        self._require_jaws_within_limits()
+
+    def _require_jaws_within_limits(self) -> None:
+        """Check the opening's speed and accelerations, of which each jaw takes half."""
+        layer, jaws, scale = self.limits.active, self.controller.jaws, self.controller.speed.scale
+        most = 2.0 * layer.tool_velocity / scale
+        allowed = f"up to {most:g} rad/s, twice tool_velocity of limits.layers"
+        allowed += f" ({layer.name}: {layer.tool_velocity:g} rad/s) over controller.speed.scale"
+        is_slow = jaws.speed <= most * (1.0 + ROUNDING)
+        require(is_slow, "controller.jaws.speed", jaws.speed, f"{allowed} ({scale:g})")
+        most = 2.0 * layer.tool_acceleration
+        allowed = f"up to {most:g} rad/s^2, twice tool_acceleration of limits.layers"
+        allowed += f" ({layer.name}: {layer.tool_acceleration:g} rad/s^2)"
+        for key in ("acceleration", "braking"):
+            value = getattr(jaws, key)
+            require(value <= most, f"controller.jaws.{key}", value, allowed)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -48,7 +48,7 @@ class EventLog:
     def __init__(self) -> None:
         self.events: deque[Event] = deque(maxlen=MAX_EVENTS)  # emptied by its publisher
         self.order: Order | None = None  # the one in motion
-        self.command = ""
+        self.command = ""  # in execution, or the last one
         self.last_refusal: Cause | None = None
 
     @property
@@ -70,8 +70,10 @@ class EventLog:
 
     def accept(self, now: float, order: Order) -> None:
         """Answer that it is done or will be."""
-        self.command = order.plan.command_words
-        self.note(now, "accepted", self.command, order.plan.words, order.caller)
+        words = order.plan.command_words
+        if self.order is None or self.order is order:  # else another one is in motion
+            self.command = words
+        self.note(now, "accepted", words, order.plan.words, order.caller)
         order.reply(Reply(True, order.plan.words))
 
     def refuse(self, now: float, order: Order, cause: Cause, tension: float) -> None:

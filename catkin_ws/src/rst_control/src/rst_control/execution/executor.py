@@ -231,6 +231,10 @@ class Executor:
         if order is None:
             return
         was = self._mode
+        refusal = mode_refusal(order.command, was)  # it may have waited, and the robot brake since
+        if refusal is not None:
+            self._refuse(order, refusal)
+            return
         self._robot.synchronise_if_elsewhere(self._setpoint_state)
         self._event_log.accept(self._now, order)
         order.ended(Outcome("succeeded", ""))
@@ -266,18 +270,16 @@ class Executor:
         self._fault(self._watchdogs.motion(self._now, self._robot.measurement, watched))
 
     def _finish(self, motion: Motion) -> None:
-        was = self._mode
+        was, command = self._mode, self._event_log.command
         self._setpoint_state.finish()
         self._change(state_machine.at_rest(was))
         if was.state is State.MOVING:
-            self._note(
-                "motion_finished", self._event_log.command, f"tension {self._robot.tension:.2f} N"
-            )
+            self._note("motion_finished", command, f"tension {self._robot.tension:.2f} N")
             self._end_order("succeeded", None)
             return
         ended = motion.failure or Cause(Reason.TERMINATED, "terminated")
         cause = was.cause if was.is_latched and was.cause else ended
-        self._note("at_rest", self._event_log.command, cause)
+        self._note("at_rest", command, cause)
         self._note_latch()
         is_asked_for = was.mode_after in (State.HALTED, State.STANDBY)
         self._end_order("stopped" if is_asked_for else "failed", cause)

@@ -50,7 +50,8 @@ class GuardedPull(TowardsTension):
     def step(self, dt: float, measured: Measurement) -> tuple[Vector, Vector]:
         """Move on by a time [s]; see `PhaseExecution`."""
         self._delay_bound.update(measured.stamp, measured.tension)
-        self._feel(measured.tension)
+        if self._feel(measured.tension):
+            self.is_pulling = self._goal > measured.tension
         if self._brake is not None:
             state = self._brake.step(dt)
             self.is_done = self._brake.is_done

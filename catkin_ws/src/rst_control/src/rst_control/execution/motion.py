@@ -26,7 +26,7 @@ from rst_control.trajectory.motion_profile import MotionBounds
 from rst_control.trajectory.path import Path
 from rst_control.types import Cause, Measurement, PathState, Reason, Rejected, Vector
 
-START_TOLERANCE = 2e-3  # [rad] between a joint's set-point and where a phase begins
+START_TOLERANCE = 1e-5  # [rad] between a joint's set-point and where a phase begins
 PULLS = (PhaseKind.PULL, PhaseKind.STEP)
 
 
@@ -35,8 +35,8 @@ class OffPath(RstError):
 
     def __init__(self, phase: PhaseKind, distance: float) -> None:
         super().__init__(
-            f"{phase.value} would begin {distance:.4f} rad away from where the robot stands, "
-            f"allowed {START_TOLERANCE:.4f} rad"
+            f"{phase.value} would begin {distance:.6f} rad away from where the robot stands, "
+            f"allowed {START_TOLERANCE:.6f} rad"
         )
         self.distance = distance
 

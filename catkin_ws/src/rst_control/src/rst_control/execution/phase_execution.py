@@ -163,12 +163,12 @@ class TowardsTension(AlongPath):
         way = share_done(self._start.state.s, self.state.s, self._furthest)
         return max(way, share_done(self._first, self._now, self._goal))
 
-    def _feel(self, tension: float) -> None:
-        """Note the present tension [N]."""
-        self._now = tension
-        if self._first is None:
+    def _feel(self, tension: float) -> bool:
+        """Note the present tension [N]; whether it is the first one."""
+        is_first, self._now = self._first is None, tension
+        if is_first:
             self._first = tension
-            self.is_pulling = self._goal > tension
+        return is_first
 
     def _room_ends(self, measured: Measurement) -> float:
         """Place [m] that s may not pass before a reading at rest allows more.
@@ -211,6 +211,7 @@ class TensionPhase(TowardsTension):
             return self._joints(state)
         self._control.bound = self._room_ends(measured)
         state = self._control.step(self._now, dt)
+        self.is_pulling = self._control.is_pulling
         self.failure = self._objection(measured)
         if self.failure or self._control.is_settled or self._control.is_at_limit:
             self._brake_from(state)

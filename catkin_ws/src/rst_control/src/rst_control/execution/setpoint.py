@@ -41,10 +41,11 @@ class SetpointState:
     @property
     def pulled(self) -> float | None:
         """Place on the pull's path while tissue is pulled harder [m]; None: it is not."""
-        motion = self.motion
-        if motion is None or not (motion.needs_grip and motion.raises_tension):
+        motion, grasp = self.motion, self._grasp
+        if motion is None or grasp is None or not (motion.needs_grip and motion.raises_tension):
             return None
-        return motion.place.state.s if motion.place else None
+        place = motion.place
+        return place.state.s if place and place.path is grasp.pull else None
 
     def start(self, plan: Plan, now: float) -> Rejected | None:
         """Set off with a plan, or let it take over from the pull under way."""

@@ -144,8 +144,12 @@ class Planner:
                 q = paths[-1].end
         return tuple(paths)
 
-    def seat(self, q: Vector) -> Path:
+    def seat(self, q: Vector, goal: Vector | None = None) -> Path:
         """Smallest joint motion that puts a shaft slightly off the trocar back into it.
+
+        Args:
+            q: Where it starts [rad]. Shape (9,).
+            goal: Joints near by with the shaft in the trocar [rad], shape (9,); None: the nearest.
 
         Raises:
             TrocarDrift: The shaft is further off than may be put right by itself.
@@ -155,7 +159,7 @@ class Planner:
         error = rcm_state(Configuration(self.model, q), self.trocar).error
         if error > allowed:
             raise TrocarDrift(error, allowed)
-        seated = self.project(q)
+        seated = self.project(q) if goal is None else goal
         length = max(float(np.abs(seated - q).max()) * SEAT_SCALE, 10 * SAME_PLACE)
         slope = (seated - q) / length
         path = Path(np.array([q, seated]), np.array([slope, slope]), length)

@@ -15,6 +15,7 @@ from rst_control.kinematics.mounting import angle_between
 from rst_control.types import Cause, Reason, Vector
 
 FUTURE: Final = 0.05  # [s] by which a stamp may be ahead: clocks of two hosts differ
+ROUNDING: Final = 1e-6  # [s] by which stamps that are steady_time apart may be closer
 SAME_WAY: Final = float(np.radians(5.0))  # [rad] between ways of the pull that count as one
 
 
@@ -73,7 +74,7 @@ class SteadyPlace:
 
     Args:
         config: How long, how near, and how far from home.
-        age: Of a report, at most [s].
+        age: Of a report, at most [s]. A longer gap between two reports begins it anew.
         home: Where it is expected, base frame, [m]. Shape (3,).
     """
 
@@ -86,9 +87,11 @@ class SteadyPlace:
         last = self._reports[-1] if self._reports else None
         if not report.is_news(last):
             return
-        kept = () if last is not None and report.stamp <= last.stamp else self._reports
+        goes_on = last is not None and 0.0 < report.stamp - last.stamp <= self._age
+        kept = self._reports if goes_on else ()
         since = report.stamp - self._config.steady_time
-        self._reports = (*(each for each in kept if each.stamp >= since), report)
+        older = sum(each.stamp <= since for each in kept)  # the last of them covers the beginning
+        self._reports = (*kept[max(0, older - 1) :], report)
 
     def taken(self, now: float) -> Report | Cause:
         """The place, where it is steady, or why it is not taken."""
@@ -109,7 +112,7 @@ class SteadyPlace:
             allowed = float(np.degrees(SAME_WAY))
             return Cause(Reason.TRACKER_JUMPED, f"{words}, allowed {allowed:.0f} deg")
         since = newest.stamp - reports[0].stamp
-        if since < config.steady_time - self._age:
+        if since < config.steady_time - ROUNDING:
             words = f"place tracked for {since:.2f} s, allowed from {config.steady_time:.2f} s on"
             return Cause(Reason.TRACKER_STALE, words)
         return Report(places.mean(axis=0), newest.stamp, newest.pull)

@@ -53,10 +53,11 @@ class TensionControl:
         self._profile = MotionProfile(state, bounds)
         self._estimate = StiffnessEstimate(*config.stiffness_range, config.noise)
         self._past = deque([(0.0, state.s)])  # times and places, back to when the tension arose
-        self._time = self._settled_for = 0.0
+        self._time = self._settled_for = self._at_end_for = 0.0
         self._is_braking_hard = False
         self._cautious = self._estimate.cautious  # [N/m] that the speed reckons with
         self.tension = 0.0  # [N] now, as far as noise and delay can be made up for
+        self.is_pulling = False  # s went forward, or is to, and has not turned to ease since
         self.target = target
         self.bound = math.inf  # [m] that s may not pass for now
 
@@ -77,12 +78,9 @@ class TensionControl:
 
     @property
     def is_at_limit(self) -> bool:
-        """Whether s rests at an end of the path, short of its target."""
-        error = self.target - self.tension
-        if abs(self.state.speed) > AT_REST or abs(error) <= self._config.tolerance:
-            return False
-        end = self._length if error > 0.0 else 0.0
-        return abs(end - self.state.s) <= END_REACHED
+        """Whether s has rested at an end of the path, short of its target, for the time asked."""
+        is_short = abs(self.target - self.tension) > self._config.tolerance
+        return is_short and self._at_end_for >= self._config.settle_time
 
     def step(self, force: float, dt: float) -> PathState:
         """Move on by dt [s] with the tension [N] measured now; returns the state of s then."""
@@ -93,7 +91,22 @@ class TensionControl:
         self._set_speed(error)
         state = self._profile.step(dt)
         self._past.append((self._time, state.s))
+        self._judge_course(self.target - self.tension, dt)
         return state
+
+    def _judge_course(self, missing: float, dt: float) -> None:
+        """See where s goes, with a tension missing [N], and how long it has rested at its end [s].
+
+        One reading may be an outlier. So none decides for the whole pull, or ends it.
+        """
+        s, speed = self.state.s, self.state.speed
+        if speed > 0.0 or (speed == 0.0 and missing > 0.0):
+            self.is_pulling = True
+        elif missing < -self._config.tolerance:
+            self.is_pulling = False
+        end = self._length if missing > 0.0 else 0.0
+        is_at_end = abs(end - s) <= END_REACHED and abs(speed) <= AT_REST
+        self._at_end_for = self._at_end_for + dt if is_at_end else 0.0
 
     def _update(self, force: float, dt: float) -> None:
         """Take in the measured tension, which arose where s was a while ago."""

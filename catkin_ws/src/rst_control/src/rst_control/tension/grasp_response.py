@@ -35,7 +35,7 @@ LISTEN: Final = 0.1  # [s] at rest, at least, in which a reading must stay
 MIN_CONFIRMED: Final = 0.1  # [N] of rise that shows a sensor at work
 WELL_CONFIRMED: Final = 0.3  # [N] from which the line through earlier readings is bound enough
 LATE_SHARE: Final = 0.3  # of its rise in motion that a reading may still go on to rise by
-SAME: Final = 1e-7  # [m] of pull that counts as none
+SAME: Final = 1e-7  # [m] of pull that counts as none, over a whole rest
 WINDOW: Final = 3.0  # standard deviations that a mean may be off
 
 
@@ -66,7 +66,7 @@ class GraspResponse:
         self._confirmed = 0.0, 0.0  # pull [m] and tension [N] of the last reading at rest
         self._moved_for = 0.0  # [s] since then
         self._rest: list[tuple[float, float]] = []  # times and tensions at rest
-        self._rests_since = inf
+        self._rests_since, self._rests_at = inf, 0.0  # time [s] and pull [m] where it began
         self._is_free = False
         self._falls.forget()
 
@@ -92,6 +92,7 @@ class GraspResponse:
         if self._first is None:
             self._first = tension
             self._onset = self._confirmed = pull, tension
+            self._rests_at = pull
         self._follow_rest(stamp, pull, tension)
         self._keep(stamp, pull, tension)
         if self.objection is None:
@@ -150,11 +151,14 @@ class GraspResponse:
         self._points.append((least, tension))
 
     def _follow_rest(self, stamp: float, pull: float, tension: float) -> None:
-        """Collect the readings of a rest, but for the first, which are late."""
-        last = self._past[-1] if self._past else (stamp, pull)
-        if abs(pull - last[1]) > SAME:
-            self._moved_for += stamp - last[0]
-            self._rests_since, self._rest = inf, []
+        """Collect the readings of a rest, but for the first, which are late.
+
+        A rest has one place: what creeps is in motion, however little it does from one reading to
+        the next.
+        """
+        if abs(pull - self._rests_at) > SAME:
+            self._moved_for += stamp - self._past[-1][0]
+            self._rests_since, self._rests_at, self._rest = inf, pull, []
             self._falls.move()
             return
         self._rests_since = min(self._rests_since, stamp)
