@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 CLOSED, OPEN = 0.02, 0.06  # [rad] jaws that take hold of the tissue, and that let go of it
 AT_LIMIT = 2.52  # [N] where tissue that bends is as stiff as is said of it
 JAWS = 0.16  # [rad] that they open to, to save time
-JAWS_SPEED, JAWS_ACCELERATION, JAWS_JERK = 3.0, 20.0, 1000.0  # [rad/s], and so on; likewise
+JAWS_SPEED, JAWS_ACCELERATION, JAWS_JERK = 3.0, 10.0, 1000.0  # [rad/s], and so on; likewise
 RATE = 200.0  # [Hz] of the controller's loop
 
 

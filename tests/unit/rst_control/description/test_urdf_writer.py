@@ -38,7 +38,8 @@ def test_what_is_no_urdf_is_not_overwritten(tmp_path, capsys, monkeypatch):
     facts, same = tmp_path / "long_shaft.yaml", tmp_path / "facts.urdf"
     for file in (facts, same):
         file.write_bytes(FACTS_FILE.read_bytes())
-    for words in ([str(facts)], [str(same), "--facts", str(tmp_path / "." / "facts.urdf")]):
+    monkeypatch.chdir(tmp_path)
+    for words in (["long_shaft.yaml"], ["facts.urdf", "--facts", str(same)]):
         assert main(words) == 2
         assert capsys.readouterr().err == (
             f"urdf_writer: FILE is '{words[0]}', allowed: a file .urdf other than that of --facts\n"
