@@ -28,6 +28,7 @@ from demo.virtual_microphone import VirtualMicrophone
 from rst_control.simulation.rendering.window import window_obstacle
 from support.interrupt import end_as_by_ctrl_c
 from support.launched_system import System
+from support.process_groups import end_group
 from support.theatre_sound import RATE
 from typed_config import ConfigError
 
@@ -144,7 +145,7 @@ def _session(
         page, hands = PagePictures(folder, timeline.say), Hands(timeline.warn)
         stack.callback(page.close)
         if script.has_devices:
-            stack.callback(start_devices().terminate)
+            stack.callback(end_group, start_devices())
         if options.microphone:
             return _listen(system, timeline)
         with timeline.first_sound(SOUND_TIME, is_file=microphone is None) as first_sound:

@@ -16,6 +16,7 @@ from sensor_msgs.msg import Joy
 from demo.script import ScriptStep
 from rst_control.srv import Command
 from support.own_settings import copy_settings
+from support.process_groups import start_group
 from typed_config import load_file
 from voice_assist.config import CONFIG_DIR
 from voice_assist.config.pedal import PedalConfig
@@ -34,7 +35,7 @@ def settings(folder: Path) -> dict[str, str | bool | Path]:
 
 def start_devices() -> subprocess.Popen[bytes]:
     """Start the simulated light, insufflator and recorder."""
-    return subprocess.Popen([sys.executable, str(ROOT / "examples" / "theatre_devices.py")])
+    return start_group([sys.executable, str(ROOT / "examples" / "theatre_devices.py")])
 
 
 class Hands:
