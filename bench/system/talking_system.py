@@ -121,13 +121,15 @@ def talking(
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         talk = _talk(folder / "talk.wav", seconds + LEAD, () if is_silent else TALK)
+        recording: dict[str, str | bool | Path] = {"sessions": folder, "session": "bench"}
+        if not arguments.get("record", True):  # else the launch refuses them
+            recording.clear()
         observer, began = Observer(), time.monotonic()
         system.launch(
             ROOT / "launch" / "system.launch",
-            sessions=folder,
-            session="bench",
             source="wav",
             wav=talk,
+            **recording,
             **arguments,
         )
         _give_first_command(system)
