@@ -121,9 +121,9 @@ def talking(
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         talk = _talk(folder / "talk.wav", seconds + LEAD, () if is_silent else TALK)
-        recording: dict[str, str | bool | Path] = {"sessions": folder, "session": "bench"}
-        if not arguments.get("record", True):  # else the launch refuses them
-            recording.clear()
+        recording: dict[str, str | bool | Path] = {}
+        if arguments.get("record", True):  # without a recording the launch refuses them
+            recording = {"sessions": folder, "session": "bench"}
         observer, began = Observer(), time.monotonic()
         system.launch(
             ROOT / "launch" / "system.launch",
