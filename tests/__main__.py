@@ -2,9 +2,10 @@
 """`make test`: all tests; `--fast`, for `make check`: those that need no node and little time.
 
 The demo and Whisper base come first, and no other system beside them: they take both cores. Systems
-wait half of the time, so then two run at once, and one process more has the tests with nodes but
-without a robot that is led. The tests without nodes run on every core beside them, at a lower
-priority. With other arguments: one pytest with them.
+wait half of the time, so then two run at once, the longest first. One process more has the tests
+with nodes but without a robot that is led. The tests without nodes, and those that only read launch
+files or wait for no time, run on every core beside them, at a lower priority. With other arguments:
+one pytest with them.
 """
 
 from __future__ import annotations
@@ -15,14 +16,13 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / ".cache" / "tests"  # files of JUnit's form, and what the tests beside printed
-WITH_NODES = ("rostest", "integration", "launch")
+WITH_NODES = ("rostest", "integration")
 WITHOUT_SYSTEM = (  # of those, what hardly computes
-    "launch",
     "rostest/nodes",
     "rostest/kinova/driver_contract.test",
     "integration/test_interrupt.py",
@@ -36,12 +36,21 @@ ALONE = (
     "integration/test_end_to_end.py",  # the demo: all nodes, a browser and two pictures
     "integration/test_language.py",  # Whisper base, where `make languages` fetched it
 )
-WITHOUT = ("state_search", "simulation", "property", "docs", "traps", "unit")
+LONGEST = (  # files of systems of more than a minute: begun last, one would run alone at the end
+    "rostest/controller/controller.test",
+    "integration/test_clock_jumps.py",
+    "integration/test_tutorial.py",
+    "rostest/voice/whole_system.test",
+    "rostest/simulator/simulator.test",
+    "rostest/kinova/kinova_session.test",
+)
+WITHOUT = ("state_search", "simulation", "property", "docs", "traps", "unit", "launch")
 CORES = len(os.sched_getaffinity(0))
 SYSTEMS = 2  # that run at once; each takes less than a core
 SPREAD = ("--dist", "loadfile", "--no-loadscope-reorder")  # what a file's tests share is made once
 NICE = 19  # of the tests without nodes
 SLOWEST = 20
+KINDS = ("test_*.py", "*.test")  # names of files of tests
 COUNTS = ("passed", "failed", "skipped")
 
 
@@ -58,12 +67,10 @@ def main(arguments: Sequence[str]) -> int:
     _compile_kernels()
     print("Whole systems first; the others run beside them and are shown last.", flush=True)
     beside = {"others": _start("others", WITHOUT, CORES, _give_way)}
-    left_out = [f"--ignore={ROOT / 'tests' / place}" for place in (*ALONE, *WITHOUT_SYSTEM)]
-    places = [place for place in WITH_NODES if place not in WITHOUT_SYSTEM]
     try:
         codes = [subprocess.call(_command("demo", ALONE, 1))]
         beside["nodes"] = _start("nodes", WITHOUT_SYSTEM, 1, os.setsid)
-        codes += [subprocess.call(_command("systems", places, SYSTEMS, *left_out))]
+        codes += [subprocess.call(_command("systems", systems(), SYSTEMS))]
         codes += [process.wait() for process in beside.values()]
     finally:
         for name, process in beside.items():
@@ -72,6 +79,16 @@ def main(arguments: Sequence[str]) -> int:
                 process.wait()
             print(_log(name).read_text(encoding="utf-8", errors="replace"), flush=True)
     return _conclude(["demo", "systems", *beside], codes)
+
+
+def systems() -> list[str]:
+    """Files of tests of whole systems, in the order in which they begin."""
+    folder = ROOT / "tests"
+    found = [p for top in WITH_NODES for kind in KINDS for p in (folder / top).rglob(kind)]
+    places = sorted(path.relative_to(folder).as_posix() for path in found)
+    apart = {*LONGEST, *ALONE, *WITHOUT_SYSTEM}
+    others = [p for p in places if not {p, *map(str, PurePosixPath(p).parents)} & apart]
+    return [*LONGEST, *others]
 
 
 def _log(name: str) -> Path:

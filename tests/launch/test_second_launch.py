@@ -10,6 +10,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 
 from support.launched_system import free_port
+from support.waiting import PATIENCE
 from typed_config.ros.running_nodes import running_again
 
 LAUNCH = Path(__file__).resolve().parents[2] / "launch"
@@ -98,9 +99,8 @@ def test_another_master_is_another_system(calls, monkeypatch):
 def test_roslaunch_starts_nothing_and_names_the_node(calls, monkeypatch):
     monkeypatch.setenv("ROS_NAMESPACE", "left")
     calls.clear()
-    done = subprocess.run(
-        ["roslaunch", str(SYSTEM), "voice:=false"], capture_output=True, text=True, timeout=60
-    )
+    words = ["roslaunch", str(SYSTEM), "voice:=false"]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode
     assert "running node is '/left/alarms', allowed: none of this launch" in done.stderr
     assert not {"setParam", "registerPublisher"} & set(calls)
