@@ -9,6 +9,7 @@ from tests.support.robot_client import RobotTest, run_tests
 
 LIMIT = "controller/controller/tension/limit"
 KEPT = "robot/launched"
+LOOKED, TWICE = 3.0, 5.0  # [s] in which the controller looks at the server, every 2 s
 
 
 class ChangedSettings(RobotTest):
@@ -35,7 +36,7 @@ class ChangedSettings(RobotTest):
 
     def test_2_who_has_read_it_may_go_on_with_those_of_the_launch(self):
         self.robot.activate()
-        rospy.sleep(5.0)  # the server is looked at meanwhile
+        rospy.sleep(LOOKED)
         self.assertEqual(self.robot.state.state, "active")
 
     def test_3_another_difference_latches_again(self):
@@ -48,7 +49,7 @@ class ChangedSettings(RobotTest):
     def test_4_a_node_that_is_launched_again_with_the_same_settings_stops_nothing(self):
         rospy.delete_param(KEPT)  # as a launch does, until the node has started
         self.robot.activate()
-        rospy.sleep(5.0)  # the server is looked at meanwhile
+        rospy.sleep(TWICE)
         self.assertEqual(self.robot.state.state, "active")
 
     def reason(self):

@@ -1,8 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Each command, given by the service alone, and what the simulated robot does about it."""
+"""Each command, given by the service alone, and what the simulated robot does about it.
+
+Nobody records, which the setting `ignore` allows: everything works, and the log says it once.
+"""
 
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray
+from rosgraph_msgs.msg import Log
 
 from rst_control.srv import Command, CommandRequest
 from tests.support.robot_client import RobotTest, run_tests
@@ -10,6 +15,17 @@ from tests.support.robot_client import RobotTest, run_tests
 
 class CommandsByHand(RobotTest):
     """The tests run in the order of their names and build on one robot."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.said, cls.statuses = [], {}
+        rospy.Subscriber("/rosout_agg", Log, lambda m: cls.said.append(m.msg))
+        rospy.Subscriber("/diagnostics", DiagnosticArray, cls.take_diagnostics)
+        super().setUpClass()
+
+    @classmethod
+    def take_diagnostics(cls, array):
+        cls.statuses.update({status.name: status.message for status in array.status})
 
     def test_1_nothing_moves_before_hey_robot(self):
         for command in ("tense", "release", "pull more", "pull less", "terminate"):
@@ -85,6 +101,13 @@ class CommandsByHand(RobotTest):
         answers = {"accepted", "refused", "motion_started", "motion_finished"}
         wanted = answers | {"stop_received", "halted"}
         self.robot.wait(lambda: wanted <= {event.kind for event in self.robot.events})
+
+    def test_9_after_all_of_them_the_log_has_said_once_that_nothing_is_recorded(self):
+        words = "not recorded: no recorder was ever heard"
+        self.robot.wait(lambda: self.statuses.get("rst_control: recording") == words)
+        told = [line for line in self.said if "not recorded" in line]
+        self.assertLessEqual(len(told), 1)  # none if it was said before this test listened
+        self.assertTrue(all(line == f"{words}; ignored, as it was set" for line in told))
 
 
 if __name__ == "__main__":

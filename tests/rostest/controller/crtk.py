@@ -3,6 +3,8 @@
 """A client of CRTK sees the arm, brakes it, and asks for it; one that is not named only brakes."""
 
 import subprocess
+import sys
+import time
 
 import numpy as np
 import rospy
@@ -15,11 +17,18 @@ from rst_control.kinematics.robot_model import parse_robot
 from rst_control.types import JOINTS
 from tests.support.robot_client import RobotTest, run_tests
 
+STRANGER = "--stranger"
 
-def stranger_gives(word):
-    """Let a node that crtk.yaml does not name publish a command."""
-    given = ["gen3/state_command", "crtk_msgs/StringStamped", f"{{string: {word}}}"]
-    subprocess.run(["rostopic", "pub", "-1", *given], check=True, stdout=subprocess.DEVNULL)
+
+def stranger():
+    """A node that crtk.yaml does not name: publishes each line of its input as a command."""
+    rospy.init_node("stranger")
+    topic = rospy.Publisher("gen3/state_command", StringStamped, queue_size=10)
+    while not topic.get_num_connections():
+        time.sleep(0.01)
+    print("connected", flush=True)
+    for line in sys.stdin:
+        topic.publish(StringStamped(string=line.strip()))
 
 
 class Crtk(RobotTest):
@@ -40,6 +49,20 @@ class Crtk(RobotTest):
         rospy.Subscriber("gen3/warning", StringStamped, lambda m: cls.warnings.append(m.string))
         cls.commands = rospy.Publisher("gen3/state_command", StringStamped, queue_size=10)
         cls.robot.wait(lambda: cls.commands.get_num_connections() and cls.pose.header.frame_id)
+
+    def start_stranger(self):
+        """A connected one; what it gives arrives in order."""
+        words = (sys.executable, __file__, STRANGER)
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+        process = subprocess.Popen(words, text=True, bufsize=1, **pipes)
+        self.addCleanup(process.communicate)  # its input ends, and so does it
+        self.assertEqual(process.stdout.readline(), "connected\n")
+        return process.stdin
+
+    def enabled(self):
+        """How often somebody enabled it, or said "hey robot"."""
+        events = list(self.robot.events)
+        return sum((e.kind, e.command) == ("accepted", "hey robot") for e in events)
 
     def give(self, word):
         self.commands.publish(StringStamped(string=word))
@@ -70,9 +93,10 @@ class Crtk(RobotTest):
         self.assertEqual(self.robot.state.state, "standby")
 
     def test_3_enable_is_hey_robot_and_anybodys_pause_brakes_a_motion(self):
-        accepted = sum(e.kind == "accepted" for e in self.robot.events)
-        stranger_gives("enable")
-        self.assertEqual(sum(e.kind == "accepted" for e in self.robot.events), accepted)
+        unknown, before = self.start_stranger(), self.enabled()
+        unknown.write("enable\n")
+        rospy.sleep(0.5)
+        self.assertEqual(self.enabled(), before)
         self.assertEqual(self.shown.state, "DISABLED")
         self.give("enable")
         self.wait_for("ENABLED")
@@ -80,8 +104,9 @@ class Crtk(RobotTest):
         self.robot.wait_for_state("moving")
         self.wait_for("ENABLED", is_busy=True)
         self.robot.wait(lambda: abs(self.twist.twist.linear.z) > 1e-3)
-        stranger_gives("pause")
+        unknown.write("pause\n")
         self.robot.wait_for_state("halted")
+        self.assertEqual(self.enabled(), before + 1)  # its "enable" came before its "pause"
         self.wait_for("PAUSED")
 
     def test_4_what_the_controller_refuses_is_passed_on(self):
@@ -99,4 +124,7 @@ class Crtk(RobotTest):
 
 
 if __name__ == "__main__":
-    run_tests(Crtk, "crtk_test")
+    if STRANGER in sys.argv:
+        stranger()
+    else:
+        run_tests(Crtk, "crtk_test")
