@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Launch lines of the documents, given to a shell and read as roslaunch does, do as they say."""
 
+import json
 import os
 import re
 import shlex
 import shutil
 import subprocess
 from pathlib import Path
+from unittest.mock import patch
 
 import pytest
 import yaml
+from roslaunch import RLException
 
 from support.launched_system import free_port
 from tests.support.argument_places import ROOT, parameters, rows, unmet
 from tests.support.doc_lines import PAGES, all_lines
-from tests.support.launch_reading import restored
+from tests.support.launch_reading import commands_here, dumped, read, restored
 
 PROGRAMS = Path(__file__).parent / "programs"  # where `roslaunch` reads and starts nothing
 CONFIG = ROOT / "catkin_ws/src"
@@ -56,7 +59,7 @@ def shell(tmp_path_factory):
     }
 
     def shell(line, **more):
-        """`CHECKED` has the launch files' own checks run, too."""
+        """`CHECKED` has the launch files' own checks run, `WORDS` shows what roslaunch is given."""
         environment = {**given, **more}
         done = subprocess.run(
             ["bash", "-c", line], cwd=folder, env=environment, capture_output=True, text=True
@@ -65,6 +68,21 @@ def shell(tmp_path_factory):
 
     shell.folder = folder
     return shell
+
+
+@pytest.fixture
+def roslaunch(shell, monkeypatch):
+    """Takes a line as roslaunch of this process: each start of Python takes longer than it."""
+
+    def roslaunch(line, runs_commands=False):
+        code, printed, said = shell(line, WORDS="1")
+        assert code == 0, said
+        words, environment = json.loads(printed)
+        monkeypatch.chdir(shell.folder)
+        with patch.dict(os.environ, environment, clear=True), commands_here(words):
+            return read(words, runs_commands)
+
+    return roslaunch
 
 
 def given(line, folder):
@@ -77,13 +95,10 @@ def given(line, folder):
 
 
 @pytest.mark.parametrize("line", [line for line in launch_lines() if line != NEEDS_MORE])
-def test_a_line_is_read_and_its_arguments_arrive(shell, line, monkeypatch):
-    code, printed, said = shell(line)
-    assert code == 0, said
-    reading = restored(printed)
+def test_a_line_is_read_and_its_arguments_arrive(shell, roslaunch, line):
+    reading = restored(dumped(roslaunch(line)))
     file, namespace, pairs = given(line, shell.folder)
     assert reading.nodes and all(name.startswith(namespace) for name in reading.nodes)
-    monkeypatch.chdir(shell.folder)
     places = {name: parameters(ROWS[file, name]) for name in pairs}
     for name, value in pairs.items():
         others = set().union(*(places[other] for other in pairs if other != name))
@@ -98,10 +113,31 @@ def _is_started(place, reading):
 
 
 @pytest.mark.parametrize("line", A_LINE_OF_EACH.values(), ids=A_LINE_OF_EACH)
-def test_a_misspelt_argument_of_a_line_is_refused_with_the_one_that_was_meant(shell, line):
+def test_a_misspelt_argument_of_a_line_is_refused_with_the_one_that_was_meant(
+    roslaunch, line, capfd
+):
+    misspelt, name, wrong = misspelling(line)
+    with pytest.raises(RLException):
+        roslaunch(wrong, runs_commands=True)
+    said = capfd.readouterr().err
+    assert f"'{misspelt}'" in said and f"did you mean {name}:= ?" in said
+
+
+def misspelling(line):
+    """An argument as it is written wrongly and rightly, and the line with it."""
     name = line.partition(":=")[0].split()[-1]
     misspelt = name + name[-1]
-    code, printed, said = shell(line.replace(f"{name}:=", f"{misspelt}:=", 1), CHECKED="1")
+    return misspelt, name, line.replace(f"{name}:=", f"{misspelt}:=", 1)
+
+
+def test_roslaunch_that_starts_the_checks_as_programs_finds_the_same(shell, roslaunch):
+    """Not in this process."""
+    line = A_LINE_OF_EACH["system.launch"]
+    code, printed, said = shell(line)
+    assert code == 0, said
+    assert restored(printed) == restored(dumped(roslaunch(line)))
+    misspelt, name, wrong = misspelling(line)
+    code, printed, said = shell(wrong, CHECKED="1")
     assert (code, printed) == (1, "")
     assert f"'{misspelt}'" in said and f"did you mean {name}:= ?" in said
 

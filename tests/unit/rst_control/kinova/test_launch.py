@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """launch/kinova.launch: nothing starts where something is missing; what is given is in force."""
 
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -8,7 +9,7 @@ from roslaunch import RLException
 from roslaunch.config import load_config_default
 
 from rst_control.config import CONFIG_FOLDER
-from tests.support.launch_reading import read
+from tests.support.launch_reading import commands_here, read
 
 FILE = Path(__file__).resolve().parents[4] / "launch" / "kinova.launch"
 TROCAR = ["trocar_x:=0.406", "trocar_y:=-0.024", "trocar_z:=0.415"]
@@ -37,8 +38,13 @@ def given_by(*arguments):
     ],
 )
 def test_it_does_not_start_without(arguments, words):
-    with pytest.raises(RLException, match=words):
+    with commands_here(), pytest.raises(RLException, match=words):
         load_config_default([(str(FILE), [*arguments, *QUIET])], None, verbose=False)
+
+
+def test_the_program_itself_ends_the_launch():
+    with pytest.raises(RLException, match="kinova_preflight"):
+        load_config_default([(str(FILE), [*TROCAR, *LIMITS, *QUIET])], None, verbose=False)
 
 
 def test_a_first_start_is_slow_and_asks():
@@ -67,10 +73,14 @@ def test_what_is_given_counts():
     assert "/robot" in found.nodes
 
 
-@pytest.mark.parametrize(("true", "false"), [("True", "FALSE"), ("TRUE", "False")])
-def test_true_and_false_are_taken_in_letters_of_any_case(true, false):
+@pytest.mark.parametrize(
+    ("true", "false", "checks"),
+    [("True", "FALSE", nullcontext), ("TRUE", "False", commands_here)],
+)
+def test_true_and_false_are_taken_in_letters_of_any_case(true, false, checks):
     given = [*TROCAR, *LIMITS, *QUIET, f"simulate:={true}", f"in_air:={false}", f"dry_run:={true}"]
-    value = read([str(FILE), *given], runs_commands=True).parameters
+    with checks():
+        value = read([str(FILE), *given], runs_commands=True).parameters
     assert value["/controller/controller/homing"] == "outside"
     assert value["/controller/controller/first_motion"] == "confirmed"
 
@@ -83,7 +93,7 @@ def test_a_file_that_includes_it_cannot_leave_a_switch_open(tmp_path, capfd, nam
     arguments = "".join(f'<arg name="{key}" value="{given[key]}"/>' for key in given)
     own = tmp_path / "own.launch"
     own.write_text(f'<launch><include file="{FILE}">{arguments}</include></launch>')
-    with pytest.raises(RLException, match="kinova_preflight"):
+    with commands_here(), pytest.raises(RLException, match="kinova_preflight"):
         load_config_default([(str(own), [])], None, verbose=False)
     assert f"start: {name} is '{value}', allowed: true or false" in capfd.readouterr().err
 
