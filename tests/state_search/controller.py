@@ -8,10 +8,12 @@ told apart by all that a later tick may depend on (`Controller.key`); that they 
 
 from __future__ import annotations
 
+import gc
 import logging
 from collections import deque
+from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -266,6 +268,15 @@ class Graph:
     way: dict[tuple, tuple[Input, ...]]  # shortest that leads there
     objections: list[tuple[str, tuple[Input, ...]]]  # with the way there
 
+    @cached_property
+    def table(self):
+        """For each state, in the order of `edges`: the number of the next one, and the edge."""
+        number = {key: n for n, key in enumerate(self.edges)}
+        return [
+            {given: (number[edge.to], edge) for given, edge in edges.items()}
+            for edges in self.edges.values()
+        ]
+
     @property
     def depth(self):
         return max(len(way) for way in self.way.values())
@@ -277,11 +288,24 @@ def explore(given=None, deepest=None, is_first_enough=False):
     graph = Graph({}, {start.key(): start}, {start.key(): ()}, [])
     waiting = deque([start.key()])
     logging.disable(logging.CRITICAL)  # each crash would be told in full
-    try:
-        _widen(graph, waiting, given, deepest, is_first_enough)
-    finally:
-        logging.disable(logging.NOTSET)
+    with _no_garbage():
+        try:
+            _widen(graph, waiting, given, deepest, is_first_enough)
+        finally:
+            logging.disable(logging.NOTSET)
     return graph
+
+
+@contextmanager
+def _no_garbage():
+    """All that is made is kept, so nothing is gained by looking for what is not, then or later."""
+    gc.collect()
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def _widen(graph, waiting, given, deepest, is_first_enough):

@@ -98,11 +98,7 @@ class Search:
     def __post_init__(self):
         self._mapper = Mapper(SPOKEN)
         self.keys = list(self.graph.edges)
-        number = {key: n for n, key in enumerate(self.keys)}
-        self.table = [
-            {given: (number[edge.to], edge) for given, edge in self.graph.edges[key].items()}
-            for key in self.keys
-        ]
+        self.table = self.graph.table
         self.hear, self.queue = cache(self._hear), cache(self._queue)
         self.report = cache(self._report)
         self.refused, self.passes = cache(self._refused), cache(self._passes)

@@ -114,9 +114,8 @@ def test_a_fork_leaves_its_original_as_it_was():
 
 
 def test_what_is_given_by_hand_only_is_refused_from_the_voice(graph):
-    assert {
-        Search(graph).queue(command, True) for command in MOTIONS if command.is_by_hand_only
-    } == {"refused"}
+    queue = Search(graph).queue
+    assert {queue(command, True) for command in MOTIONS if command.is_by_hand_only} == {"refused"}
 
 
 def test_the_voice_mode_depends_on_nothing_but_the_mode_and_the_word():

@@ -9,15 +9,25 @@ from rst_control.kinova.bridge import Lead
 from rst_control.types import Setpoint
 
 
-@pytest.fixture
-def rig():
+@pytest.fixture(scope="module")
+def homed():
     with KinovaRig(kinova_motion()) as rig:
         rig.run(0.1)
         rig.home()
-        rig.give("hey robot")
-        rig.give("tense")
-        assert rig.until(lambda: rig.speed > 0.05)
         yield rig
+
+
+@pytest.fixture
+def rig(homed):
+    """In motion, and at rest again behind it, with nothing lost."""
+    assert homed.give("hey robot").reply.result(0).accepted
+    assert homed.give("tense").reply.result(0).accepted
+    assert homed.until(lambda: homed.speed > 0.05)
+    yield homed
+    homed.lost = None
+    homed.give("stop")
+    homed.run(1.0)
+    assert homed.speed < 1e-3
 
 
 def joints(rig):
@@ -36,8 +46,9 @@ def test_it_stays_where_the_guard_stopped_it_and_says_why(rig):
     assert "did not run" in rig.bridge.fault(rig.now)
 
 
-def test_one_that_its_guard_does_not_hear_brakes_and_says_so(rig):
-    rig.guard.heard = lambda *_: None  # a connection that was never opened, or a name not believed
+def test_one_that_its_guard_does_not_hear_brakes_and_says_so(rig, monkeypatch):
+    # A connection that was never opened, or a name not believed
+    monkeypatch.setattr(rig.guard, "heard", lambda *_: None)
     rig.run(1.0)
     assert rig.speed < 1e-3
     assert "stop guard" in rig.bridge.fault(rig.now)

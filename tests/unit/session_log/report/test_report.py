@@ -74,6 +74,10 @@ def report(story, report_config, tmp_path_factory):
     return result, Page(result.page.read_text(encoding="utf-8"))
 
 
+def some_figures(name):
+    return tuple(figure for figure in one_session.SESSION_FIGURES if figure.name == name)
+
+
 def test_every_section_is_there(report):
     assert report[1].headings == SECTIONS
 
@@ -169,6 +173,7 @@ def test_what_was_recorded_is_text_never_markup(tmp_path, report_config, monkeyp
 
     hostile = [(1.0, 0.5, "<script>alert(1)</script>", "", "<b>no</b>")]
     monkeypatch.setattr(synthetic_session, "SPEECH", hostile)
+    monkeypatch.setattr(one_session, "SESSION_FIGURES", some_figures("timeline"))
     write_session(tmp_path / "s.mcap", duration=3.0, rate=50)
     result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, report_config)
     text = result.page.read_text(encoding="utf-8")
@@ -195,8 +200,8 @@ def test_a_killed_recording_is_reported_with_a_warning(story, tmp_path, report_c
 
 
 def test_figures_are_also_written_for_a_paper_when_asked(tmp_path, report_config, monkeypatch):
-    some = tuple(f for f in one_session.SESSION_FIGURES if f.name == "rcm_error")
-    monkeypatch.setattr(one_session, "SESSION_FIGURES", some)
+    monkeypatch.setattr(one_session, "SESSION_FIGURES", some_figures("rcm_error"))
+    monkeypatch.setattr(one_session, "POOL_FIGURES", ())
     write_session(tmp_path / "s.mcap", duration=4.0, rate=50)
     config = replace(report_config, vector=True)
     result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, config)
@@ -213,10 +218,10 @@ def test_a_folder_that_cannot_be_made_is_named(story, tmp_path, report_config):
 @pytest.mark.usefixtures("without_figures")
 @pytest.mark.parametrize(("missed", "is_warned"), [(1, False), (500, True)])
 def test_one_lost_message_of_thousands_is_a_note_and_many_are_a_warning(
-    tmp_path, report_config, missed, is_warned
+    story, tmp_path, report_config, missed, is_warned
 ):
     losses = {"/joint_states from /robot": f"0 dropped, {missed} missed"}
-    session = recording_of(tmp_path / "s.mcap", Story(rate=100).build(), {"losses": losses})
+    session = recording_of(tmp_path / "s.mcap", story[1], {"losses": losses})
     text = write_report(session, tmp_path, report_config).page.read_text()
     words = f"Lost on /joint_states from /robot: 0 dropped, {missed} missed of"
     assert words in text
@@ -224,6 +229,7 @@ def test_one_lost_message_of_thousands_is_a_note_and_many_are_a_warning(
     assert (warning is not None and words in warning[1]) == is_warned
 
 
+@pytest.mark.usefixtures("without_figures")
 def test_an_utterance_can_be_heard_and_that_can_be_switched_off(report, tmp_path, report_config):
     result, page = report
     text = result.page.read_text(encoding="utf-8")
@@ -238,7 +244,10 @@ def test_an_utterance_can_be_heard_and_that_can_be_switched_off(report, tmp_path
     assert "data:audio" not in without.read_text(encoding="utf-8")
 
 
-def test_notes_stand_in_the_report_and_those_of_a_moment_on_its_time_axis(tmp_path, report_config):
+def test_notes_stand_in_the_report_and_those_of_a_moment_on_its_time_axis(
+    tmp_path, report_config, monkeypatch
+):
+    monkeypatch.setattr(one_session, "SESSION_FIGURES", some_figures("timeline"))
     path = tmp_path / "s.mcap"
     write_session(path, duration=6.0, rate=50)
     add_note(path, Note("the light was\n<b>off</b>"))

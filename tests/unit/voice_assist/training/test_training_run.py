@@ -9,7 +9,7 @@ import whisper
 
 from voice_assist.recognizer import load_recognizer
 from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
-from voice_assist.training.data import corpus, synthesis
+from voice_assist.training.data import batches, corpus, synthesis
 from voice_assist.training.data.synthesis import SynthesisAmounts, cast_voice, plan_held_out
 from voice_assist.training.fit import train_recognizer
 
@@ -38,8 +38,15 @@ def tiny_corpus(tmp_path_factory):
         return corpus.load_corpus(folder / "absent", folder, 1, amounts, 1)
 
 
+@pytest.fixture(autouse=True)
+def quick(monkeypatch):
+    """Few items, for few steps, where training in earnest draws hundreds."""
+    monkeypatch.setattr(batches, "POOL", 40)
+
+
 def options(tmp_path, steps, *more):
     arguments = ["--steps", str(steps), "--cache", str(tmp_path), "--out", str(tmp_path / "m.pt")]
+    arguments += ["--batch", "0.25"]
     return train_recognizer.parse([*arguments, *more])
 
 
