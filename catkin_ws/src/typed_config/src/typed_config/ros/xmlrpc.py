@@ -6,6 +6,7 @@ from __future__ import annotations
 import http.client
 import xmlrpc.client
 from typing import Final
+from xml.parsers.expat import ExpatError
 
 import rosgraph
 
@@ -13,8 +14,8 @@ ANSWER_TIME: Final = 2.0  # [s] for an answer, which a busy host may delay
 SUCCESS: Final = 1
 CALLER: Final = "/typed_config"  # of questions that concern no node of ours
 
-# What goes wrong where nobody is there, or somebody else is.
-FAILURES: Final = (OSError, http.client.HTTPException, xmlrpc.client.Error, ValueError)
+# What goes wrong where nobody is there, or somebody else is, or who answers is killed meanwhile.
+FAILURES: Final = (OSError, http.client.HTTPException, xmlrpc.client.Error, ValueError, ExpatError)
 
 
 class _Transport(xmlrpc.client.Transport):
@@ -41,6 +42,7 @@ def ask(uri: str, method: str, *arguments: object) -> object:
     Raises:
         TimeoutError: Nobody answers.
         OSError: Nobody is there.
+        ExpatError: The answer breaks off.
         ValueError: The answer says that it failed, or makes no sense.
     """
     with server(uri) as api:
