@@ -36,8 +36,9 @@ ALONE = (
     "integration/test_end_to_end.py",  # the demo: all nodes, a browser and two pictures
     "integration/test_language.py",  # Whisper base, where `make languages` fetched it
 )
-LONGEST = (  # files of systems of more than a minute: begun last, one would run alone at the end
+FIRST = (  # files of systems of more than a minute: begun last, one would run alone at the end
     "rostest/controller/controller.test",
+    "integration/test_install_space.py",  # hears as it is shipped, so beside one that hears nothing
     "integration/test_clock_jumps.py",
     "integration/test_tutorial.py",
     "rostest/voice/whole_system.test",
@@ -86,9 +87,9 @@ def systems() -> list[str]:
     folder = ROOT / "tests"
     found = [p for top in WITH_NODES for kind in KINDS for p in (folder / top).rglob(kind)]
     places = sorted(path.relative_to(folder).as_posix() for path in found)
-    apart = {*LONGEST, *ALONE, *WITHOUT_SYSTEM}
+    apart = {*FIRST, *ALONE, *WITHOUT_SYSTEM}
     others = [p for p in places if not {p, *map(str, PurePosixPath(p).parents)} & apart]
-    return [*LONGEST, *others]
+    return [*FIRST, *others]
 
 
 def _log(name: str) -> Path:

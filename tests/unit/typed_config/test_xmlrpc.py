@@ -7,6 +7,7 @@ import threading
 import xmlrpc.client
 
 import pytest
+import rosmaster.util  # noqa: F401 replaces the reader of packed answers, as roslaunch does
 
 from typed_config.ros.xmlrpc import FAILURES, ask, is_alive
 

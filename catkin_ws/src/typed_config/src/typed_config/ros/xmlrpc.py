@@ -15,7 +15,10 @@ SUCCESS: Final = 1
 CALLER: Final = "/typed_config"  # of questions that concern no node of ours
 
 # What goes wrong where nobody is there, or somebody else is, or who answers is killed meanwhile.
-FAILURES: Final = (OSError, http.client.HTTPException, xmlrpc.client.Error, ValueError, ExpatError)
+FAILURES: Final = (
+    *(OSError, http.client.HTTPException, xmlrpc.client.Error, ValueError),
+    *(EOFError, ExpatError),  # of answers that break off, packed and plain
+)
 
 
 class _Transport(xmlrpc.client.Transport):
@@ -42,7 +45,7 @@ def ask(uri: str, method: str, *arguments: object) -> object:
     Raises:
         TimeoutError: Nobody answers.
         OSError: Nobody is there.
-        ExpatError: The answer breaks off.
+        EOFError, ExpatError: The answer breaks off.
         ValueError: The answer says that it failed, or makes no sense.
     """
     with server(uri) as api:
