@@ -14,7 +14,7 @@ def test_every_folder_of_tests_is_run():
 
 
 def test_what_runs_apart_from_whole_systems_is_there_and_has_nodes():
-    for place in (*runner.ALONE, *runner.WITHOUT_SYSTEM, *runner.LONGEST):
+    for place in (*runner.ALONE, *runner.WITHOUT_SYSTEM, *runner.FIRST):
         assert (runner.ROOT / "tests" / place).exists(), place
         assert place.partition("/")[0] in runner.WITH_NODES
 
@@ -27,7 +27,7 @@ def test_every_file_with_nodes_runs_once():
         for kind in runner.KINDS:
             for path in (folder / top).rglob(kind):
                 assert sum(path.is_relative_to(place) for place in named) == 1, path
-    assert runner.systems()[: len(runner.LONGEST)] == list(runner.LONGEST)
+    assert runner.systems()[: len(runner.FIRST)] == list(runner.FIRST)
 
 
 class Ended:
