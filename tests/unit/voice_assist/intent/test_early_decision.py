@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import math
+from dataclasses import replace
 
 import pytest
 
+from tests.unit.voice_assist.support.fake_pipeline import FakeSpotting
 from voice_assist.config import load_voice_config
 from voice_assist.intent.early_decision import DecisionContext, EarlyDecision
 from voice_assist.intent.mapper import Mapper
@@ -18,10 +20,17 @@ CONFIG = load_voice_config(
 )
 
 
+UNHEARD = -20.0  # [nat] of the spotter
+
+
+def judging(spotting=None):
+    fusion = StopFusion(CONFIG.spotter, spotting)
+    return EarlyDecision(Mapper(CONFIG.commands), CONFIG.commands, CONFIG.recognizer.early, fusion)
+
+
 @pytest.fixture
 def judge():
-    alone = StopFusion(CONFIG.spotter, None)
-    return EarlyDecision(Mapper(CONFIG.commands), CONFIG.commands, CONFIG.recognizer.early, alone)
+    return judging()
 
 
 def heard(text, confidence=0.8):
@@ -60,6 +69,29 @@ def test_a_half_sure_stop_waits_for_the_pause(judge):
     for time in (0.1, 0.2, 0.3):
         assert judge(heard("stop", least + 0.01), at(time)) is None
     assert judge(heard("stop", least + 0.01), at(0.5, has_paused=True)).command == "stop"
+
+
+@pytest.mark.parametrize(
+    ("is_moving", "then", "is_stop"),
+    [(False, "stop the pump", False), (False, "stop", True), (True, "stop the pump", True)],
+)
+def test_what_only_the_recogniser_hears_stops_in_motion_at_once_and_at_rest_in_a_pause(
+    is_moving, then, is_stop
+):
+    judge = judging(FakeSpotting(UNHEARD))
+    moments = [("stop", at(0.1)), ("stop", at(0.2)), (then, at(0.5, has_paused=True))]
+    said = [
+        judge(heard(text, 0.95), replace(moment, spotted=UNHEARD, is_moving=is_moving))
+        for text, moment in moments
+    ]
+    assert any(isinstance(one, Match) for one in said) == is_stop
+    assert isinstance(said[0], Match) == is_moving
+
+
+def test_at_rest_noise_behind_a_stop_that_only_the_recogniser_hears_delays_it_for_a_while():
+    judge = judging(FakeSpotting(UNHEARD))
+    said = [judge(heard("stop", 0.95), replace(at(t), spotted=UNHEARD)) for t in (0.1, 0.5, 0.9)]
+    assert [isinstance(one, Match) for one in said] == [False, False, True]
 
 
 def test_after_a_stop_there_is_no_second_one(judge):

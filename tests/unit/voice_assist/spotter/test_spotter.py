@@ -185,22 +185,23 @@ def test_the_best_score_is_that_of_the_time_asked_for():
 
 
 @pytest.mark.parametrize(
-    ("confidence", "is_ready", "spotted", "stops"),
+    ("confidence", "is_ready", "is_last", "spotted", "stops"),
     [
-        (0.7, True, None, True),  # nobody listens: as if there were no spotter
-        (0.7, False, None, False),
-        (0.95, True, -10.0, True),  # sure
-        (0.95, True, -20.0, True),  # sure, whatever the spotter heard
-        (0.95, False, -20.0, False),  # sure, but the word may go on
-        (0.7, True, -20.0, False),  # one side alone half believes
-        (0.7, True, 1.5, True),  # both half believe
-        (0.7, False, 1.5, False),
-        (0.7, False, 4.5, True),  # the spotter believes: at once
+        (0.7, True, False, None, True),  # nobody listens: as if there were no spotter
+        (0.7, False, False, None, False),
+        (0.95, True, True, -10.0, True),  # sure
+        (0.95, True, True, -20.0, True),  # sure, whatever the spotter heard
+        (0.95, True, False, -20.0, False),  # sure, but talk may go on
+        (0.95, False, True, -20.0, False),  # sure, but the word may go on
+        (0.7, True, True, -20.0, False),  # one side alone half believes
+        (0.7, True, False, 1.5, True),  # both half believe
+        (0.7, False, False, 1.5, False),
+        (0.7, False, False, 4.5, True),  # the spotter believes: at once
     ],
 )
-def test_a_written_stop_needs_certainty_or_agreement(confidence, is_ready, spotted, stops):
+def test_a_written_stop_needs_certainty_or_agreement(confidence, is_ready, is_last, spotted, stops):
     second = StopFusion(RULE.spotter, FakeSpotting(spotted))
-    assert second.confirms(StopEvidence(confidence, is_ready, spotted), "stop") == stops
+    assert second.confirms(StopEvidence(confidence, is_ready, is_last, spotted), "stop") == stops
 
 
 @pytest.mark.parametrize(

@@ -90,15 +90,15 @@ def trial(best, heard=(), weight=1.0, seconds=3600.0):
 def test_the_first_rule_to_hold_gives_the_time():
     assert fired_at(trial(7.9), CONFIG) is None
     assert fired_at(trial(8.0), CONFIG) == 1.2
-    sure = TrialEvidence(1.1, -9.0, 0.95, True, NEVER)
+    sure = TrialEvidence(1.1, -9.0, 0.95, True, True, NEVER)
     assert fired_at(trial(8.0, [sure]), CONFIG) == 1.1
-    near = TrialEvidence(1.4, 5.0, -1.0, False, -2.0)
-    far = TrialEvidence(1.3, 5.0, -1.0, False, -4.0)
+    near = TrialEvidence(1.4, 5.0, -1.0, False, False, -2.0)
+    far = TrialEvidence(1.3, 5.0, -1.0, False, False, -4.0)
     assert fired_at(trial(7.0, [far, near]), CONFIG) == 1.4
 
 
 def test_the_recogniser_alone_ignores_the_spotter_and_the_other_way_round():
-    unsure = TrialEvidence(1.3, -9.0, 0.62, True, NEVER)
+    unsure = TrialEvidence(1.3, -9.0, 0.62, True, True, NEVER)
     both = [trial(9.0), trial(-9.0, [unsure])]
     recogniser = rule.recogniser_alone(CONFIG)
     spotter = rule.spotter_alone(CONFIG, 8.0)
@@ -107,9 +107,9 @@ def test_the_recogniser_alone_ignores_the_spotter_and_the_other_way_round():
 
 
 def test_the_chosen_thresholds_keep_the_rates_and_find_what_both_half_believe():
-    unsure = TrialEvidence(1.2, 2.0, 0.7, True, NEVER)
+    unsure = TrialEvidence(1.2, 2.0, 0.7, True, True, NEVER)
     said = {"people": [trial(9.0), trial(2.0, [unsure]), trial(9.5)]}
-    alone_unsure = TrialEvidence(1.2, -5.0, 0.7, True, NEVER)
+    alone_unsure = TrialEvidence(1.2, -5.0, 0.7, True, True, NEVER)
     talk = [trial(2.5), trial(-5.0, [alone_unsure]), trial(-9.0, weight=8.0)]
     chosen = choose(CONFIG, said, {"people": 1.0}, talk, alone_rate=0.05, rate=0.05)
     assert fired(said["people"], chosen).found == 3
@@ -118,7 +118,7 @@ def test_the_chosen_thresholds_keep_the_rates_and_find_what_both_half_believe():
 
 
 def test_thresholds_that_cannot_be_kept_are_refused():
-    sure = [TrialEvidence(1.2, 20.0, 1.0, True, NEVER)]
+    sure = [TrialEvidence(1.2, 20.0, 1.0, True, True, NEVER)]
     with pytest.raises(ValueError, match="false stops per hour"):
         choose(CONFIG, {"p": [trial(9.0)]}, {"p": 1.0}, [trial(20.0, sure)] * 3, 0.1, 0.1)
 

@@ -125,7 +125,9 @@ class EarlyDecision:
             or context.has_paused
         )
         is_ready = is_now or context.is_complete
-        evidence = StopEvidence(heard.confidence, is_ready, context.spotted)
+        has_ended = context.has_paused or context.is_complete or self._is_still(context)
+        is_last = has_ended or context.is_moving
+        evidence = StopEvidence(heard.confidence, is_ready, is_last, context.spotted)
         if self._stop_fusion.confirms(evidence, outcome.command):
             return outcome
         words = "the recogniser is not sure, and the spotter did not hear it"
@@ -141,8 +143,11 @@ class EarlyDecision:
             return False
         if self.has_decided or self._mapper.can_grow(heard.text):
             return False
-        is_still = context.time - self._unchanged_since >= config.unchanged_for - _SLACK
-        return is_still or context.has_paused
+        return self._is_still(context) or context.has_paused
+
+    def _is_still(self, context: DecisionContext) -> bool:
+        """Whether no word was added for so long that what goes on is noise."""
+        return context.time - self._unchanged_since >= self._config.unchanged_for - _SLACK
 
     def _continues(self) -> Rejection:
         first = f"{self._decided!r}" if self._decided else "a longer utterance"

@@ -2,7 +2,8 @@
 """The rule by which recogniser and spotter come to a stop together.
 
 1. The spotter alone, from `alone` on (`Spotter`, latched for `rearm_after`).
-2. The recogniser alone, where its word is ready (`EarlyDecision`) with a confidence of `sure`.
+2. The recogniser alone, where its word is ready (`EarlyDecision`) with a confidence of `sure`. At
+   rest it waits for the pause behind the word, since talk that goes on soon reads otherwise.
 3. The recogniser ready but less sure, where the spotter gave `agree` within `agree_within`; the
    written word at once, ready or not, where the spotter gave `middle`.
 4. The spotter from `middle` on, where the word is at most `near` less likely to the recogniser than
@@ -25,6 +26,7 @@ class StopEvidence:
 
     confidence: float  # [0, 1]
     is_ready: bool  # it would stop by itself now: seen twice, sure, in a pause, or at the end
+    is_last: bool  # a pause is behind it; in motion always, since nothing is waited for
     spotted: float | None  # [nat] the spotter's best score recently; None: no spotter listens
 
 
@@ -63,7 +65,7 @@ class StopFusion:
             return evidence.is_ready
         if evidence.spotted >= self._config.middle:
             return True
-        is_sure = evidence.confidence >= self._config.sure
+        is_sure = evidence.is_last and evidence.confidence >= self._config.sure
         return evidence.is_ready and (is_sure or evidence.spotted >= self._config.agree)
 
     def is_asking(self, spotted: float | None) -> bool:

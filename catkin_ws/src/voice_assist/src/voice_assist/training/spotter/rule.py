@@ -50,7 +50,7 @@ def fired_at(trial: SpotterTrial, config: SpotterConfig) -> float | None:
         if heard.confidence < 0.0:
             fires = rule.overrules(heard.spotted, heard.ratio)
         else:
-            belief = StopEvidence(heard.confidence, heard.is_ready, heard.spotted)
+            belief = StopEvidence(heard.confidence, heard.is_ready, heard.is_last, heard.spotted)
             fires = rule.confirms(belief, config.phrase)
         if fires:
             times.append(heard.time)

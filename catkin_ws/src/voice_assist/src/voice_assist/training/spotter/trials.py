@@ -7,7 +7,7 @@ import hashlib
 import json
 import logging
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +29,7 @@ from voice_assist.vad.detector import make_detector
 
 LOG = logging.getLogger("spotter")
 NEVER = 1000.0  # [nat]
+EVIDENCE = [field.name for field in fields(StopEvidence)]  # trials with other evidence run anew
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,7 @@ class TrialEvidence:
     spotted: float  # [nat] the spotter's recent best
     confidence: float  # [0, 1] with which it wrote the word; below 0: it wrote something else
     is_ready: bool  # see StopEvidence
+    is_last: bool  # see StopEvidence
     ratio: float  # [nat] of the word where it wrote something else
 
 
@@ -79,8 +81,8 @@ class EvidenceRecorder(StopFusion):
         """Keep what the recogniser believes of the word."""
         if phrase == self.phrase:
             spotted = _finite(evidence.spotted)
-            said = TrialEvidence(self._now, spotted, evidence.confidence, evidence.is_ready, NEVER)
-            self.heard.append(said)
+            written = evidence.confidence, evidence.is_ready, evidence.is_last
+            self.heard.append(TrialEvidence(self._now, spotted, *written, NEVER))
         return False
 
     def is_asking(self, spotted: float | None) -> bool:
@@ -89,7 +91,8 @@ class EvidenceRecorder(StopFusion):
 
     def overrules(self, spotted: float | None, ratio: float) -> bool:
         """Keep how likely the word is to the recogniser."""
-        self.heard.append(TrialEvidence(self._now, _finite(spotted), -1.0, False, float(ratio)))
+        other = -1.0, False, False, float(ratio)
+        self.heard.append(TrialEvidence(self._now, _finite(spotted), *other))
         return False
 
 
@@ -115,7 +118,7 @@ class TrialRunner:
         )
         self._head, self._embed = read_head()[0], LongEmbedder()
         self._cache, self._floor = cache, floor
-        self._key = f"{recognizer.model_hash} {digest} {floor}"
+        self._key = f"{recognizer.model_hash} {digest} {floor} {EVIDENCE}"
 
     def __call__(
         self,
