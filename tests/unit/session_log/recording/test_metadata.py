@@ -136,8 +136,7 @@ def test_one_odd_parameter_costs_neither_the_others_nor_the_robot(monkeypatch):
         add_metadata=recorded.__setitem__,
         offer=lambda tally, data: offered.append(data[4:]),
     )
-    master = SimpleNamespace(getParam=lambda name: parameters)
-    monkeypatch.setattr(recorder_node.rosgraph, "Master", lambda name: master)
+    monkeypatch.setattr(recorder_node, "ask_master", lambda method, name: parameters)
 
     def warn(period, text):
         warned.append(text)
@@ -147,3 +146,19 @@ def test_one_odd_parameter_costs_neither_the_others_nor_the_robot(monkeypatch):
     assert set(recorded["parameters"]) == {"bad", "day", "gain"}
     assert recorded["session/voice"] == {"seed": "7"} and offered == [b"<robot/>"]
     assert len(warned) == 1 and "/bad: ValueError" in warned[0]
+
+
+def test_a_master_whose_answer_breaks_off_costs_no_turn_of_the_recorder(monkeypatch):
+    def broken(method, name):
+        raise EOFError("Compressed file ended before the end-of-stream marker was reached")
+
+    warned, recorded = [], {}
+    recorder = SimpleNamespace(
+        register=lambda source: source, add_metadata=recorded.__setitem__, offer=None
+    )
+    monkeypatch.setattr(recorder_node, "ask_master", broken)
+    monkeypatch.setattr(
+        recorder_node.rospy, "logwarn_throttle", lambda *words: warned.append(words)
+    )
+    recorder_node.ParameterWatcher(recorder, Namespace("/")).check()
+    assert recorded == {} and "parameters" in warned[0][1]

@@ -7,13 +7,14 @@ import re
 import threading
 from collections.abc import Iterable
 from functools import partial
+from typing import cast
 
-import rosgraph
 import rospy
 
 from session_log.recording.namespace import SHARED_TOPICS, Namespace
 from session_log.recording.recorder import Recorder, TopicTally
 from session_log.types import MessageSource
+from typed_config.ros.xmlrpc import ask_master
 
 IDENTITY = ("callerid", "type", "md5sum", "latching")  # of a connection: one source each
 RECEIVE_BUFFER = 1 << 20  # [B] taken from a socket at once
@@ -81,9 +82,8 @@ def _source(topic: str, header: dict[str, str], publisher: str) -> MessageSource
 class Discovery:
     """Searches the master for new topics, periodically."""
 
-    def __init__(self, subscriber: TopicSubscriber, name: str, period: float) -> None:
+    def __init__(self, subscriber: TopicSubscriber, period: float) -> None:
         self._subscriber, self._period = subscriber, period
-        self._master = rosgraph.Master(name)
         self.error = ""
         self._stopped = threading.Event()
         self._thread = threading.Thread(target=self._run, name="discovery", daemon=True)
@@ -103,7 +103,7 @@ class Discovery:
 
     def _search(self) -> str:
         try:
-            for topic, _ in self._master.getPublishedTopics(""):
+            for topic, _ in cast(list[tuple[str, str]], ask_master("getPublishedTopics", "")):
                 self._subscriber.subscribe(topic)
         except Exception as error:  # top of the thread: the next search may succeed
             return f"cannot look for new topics: {error}"

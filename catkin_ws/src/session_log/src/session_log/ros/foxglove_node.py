@@ -15,9 +15,8 @@ import time
 from collections import deque
 from contextlib import suppress
 from queue import Empty, Queue
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
-import rosgraph
 import roslib.message
 import rospy
 from std_msgs.msg import String
@@ -28,6 +27,7 @@ from session_log.types import URDF_TOPIC
 from typed_config import package_file
 from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
+from typed_config.ros.xmlrpc import ask_master
 
 if TYPE_CHECKING:
     import foxglove
@@ -51,7 +51,6 @@ class LiveTopics:
     def __init__(self, config: FoxgloveConfig, namespace: Namespace) -> None:
         self._namespace = namespace
         self._exclude = [re.compile(pattern) for pattern in config.exclude]
-        self._master = rosgraph.Master(rospy.get_name())
         self._channels: dict[str, foxglove.Channel] = {}  # by the topic as it is shown
         self._names: dict[str, str] = {}  # by the same, the topic of the master
         self._viewers: dict[str, int] = {}
@@ -75,7 +74,7 @@ class LiveTopics:
         """Offer the topics that are new."""
         if URDF_TOPIC not in self._channels:
             self._add(URDF_TOPIC, "", String)
-        for name, kind in self._master.getPublishedTopics(""):
+        for name, kind in cast(list[tuple[str, str]], ask_master("getPublishedTopics", "")):
             shown = self._namespace.recorded(name)
             is_ours = self._namespace.has_topic(name)
             if shown in self._channels or shown in self._refused or not is_ours:

@@ -13,15 +13,15 @@ import sys
 import time
 from collections.abc import Callable, Collection
 from io import BytesIO
+from typing import Any
 
-import rosgraph
 import rospy
 
 from session_log.errors import SessionLogError
 from session_log.mcap_file.encoding import WrongEncoding
 from session_log.mcap_file.reader import SessionReader
 from session_log.types import URDF_TOPIC, Message, MessageSource
-from typed_config.ros.xmlrpc import master_problem
+from typed_config.ros.xmlrpc import FAILURES, ask_master, master_problem
 
 PREFIX = "/played"
 VIEWERS = ("/rviz", "/rosout", "/foxglove")  # beginnings of the names of nodes that move nothing
@@ -154,8 +154,16 @@ def check_master() -> None:
 
 
 def live_nodes(topics: Collection[str]) -> list[str]:
-    """Nodes other than this one and viewers that publish or hear one of the topics."""
-    publishers, subscribers, _ = rosgraph.Master(rospy.get_name()).getSystemState()
+    """Nodes other than this one and viewers that publish or hear one of the topics.
+
+    Raises:
+        NoMaster: It does not answer.
+    """
+    try:
+        state: Any = ask_master("getSystemState")
+    except FAILURES as error:
+        raise NoMaster(f"the ROS master does not answer: {error}") from error
+    publishers, subscribers, _ = state
     found = []
     for topic, nodes in (*publishers, *subscribers):
         if topic in topics and topic not in ("/rosout", "/rosout_agg"):

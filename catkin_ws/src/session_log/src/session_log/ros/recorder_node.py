@@ -8,9 +8,8 @@ import threading
 import time
 from collections.abc import Mapping
 from functools import partial
-from typing import Any
+from typing import Any, cast
 
-import rosgraph
 import rospy
 from std_msgs.msg import String, Time
 
@@ -24,6 +23,7 @@ from session_log.ros.discovery import Discovery, TopicSubscriber
 from session_log.types import URDF_TOPIC, MessageSource
 from typed_config import load_config, package_folder, package_version, repository
 from typed_config.ros.starting import starting
+from typed_config.ros.xmlrpc import FAILURES, ask_master
 
 FACTS = "session"  # any node may put facts about itself under /session/<name>
 REPORT_PERIOD = 1.0  # [s] between two statuses in /diagnostics
@@ -75,7 +75,6 @@ class ParameterWatcher:
 
     def __init__(self, recorder: Recorder, namespace: Namespace) -> None:
         self._recorder, self._namespace = recorder, namespace
-        self._master = rosgraph.Master(rospy.get_name())
         self._hashes: dict[str, str] = {}
         source = MessageSource(
             URDF_TOPIC, String._type, String._md5sum, String._full_text, "", True
@@ -85,10 +84,11 @@ class ParameterWatcher:
     def check(self) -> None:
         """Compare with the last check and record what changed."""
         try:
-            parameters = self._namespace.parameters(self._master.getParam("/"))
-        except (OSError, rosgraph.MasterException) as error:
+            every = cast(dict[str, Any], ask_master("getParam", "/"))
+        except FAILURES as error:
             rospy.logwarn_throttle(10.0, "cannot read the parameters: %s", error)
             return
+        parameters = self._namespace.parameters(every)
         facts = parameters.pop(FACTS, {})
         texts = metadata.parameter_facts(parameters)
         self._record("parameters", texts)
@@ -150,7 +150,7 @@ class RecorderNode:
         opener = partial(open_session, folder, config.name, started, namespace.suffix)
         self._recorder = Recorder(opener, config, time.time_ns)
         self._topics = TopicSubscriber(self._recorder, namespace, config.exclude)
-        self._discovery = Discovery(self._topics, rospy.get_name(), config.discovery_period)
+        self._discovery = Discovery(self._topics, config.discovery_period)
         self._early = [namespace.resolved(topic) for topic in config.subscribe_early]
         self._wanted = [namespace.resolved(topic) for topic in config.wait_for]
         self._deadline = time.monotonic() + config.wait_timeout

@@ -52,6 +52,11 @@ def ask(uri: str, method: str, *arguments: object) -> object:
         return value_of(getattr(api, method)(*arguments))
 
 
+def ask_master(method: str, *arguments: object) -> object:
+    """Call one method of the ROS master; raises what `ask` does."""
+    return ask(rosgraph.get_master_uri(), method, CALLER, *arguments)
+
+
 def value_of(answer: object) -> object:
     """What an answer of three parts brings.
 

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import rosgraph
 import rospy
 from geometry_msgs.msg import WrenchStamped
 from kortex_driver.msg import BaseCyclic_Feedback
@@ -38,7 +37,7 @@ from typed_config import (
     number_option,
     overlaid,
 )
-from typed_config.ros.xmlrpc import master_problem
+from typed_config.ros.xmlrpc import FAILURES, ask_master, master_problem
 
 
 @dataclass
@@ -134,9 +133,10 @@ def _observed(observer: _Observer, seconds: float, arm: str) -> Observed:
     heard = {**vars(observer.take()), **_facts(arm)}
     heard["is_guard_connected"] = observer.is_guard_connected
     try:
-        publishers, subscribers, _ = rosgraph.Master(rospy.get_name()).getSystemState()
-    except (OSError, rosgraph.MasterException):
+        state: Any = ask_master("getSystemState")
+    except FAILURES:
         return Observed(seconds, **heard)
+    publishers, subscribers, _ = state
     return Observed(seconds, **heard, publishers=dict(publishers), subscribers=dict(subscribers))
 
 
