@@ -278,6 +278,20 @@ def test_other_numbers_in_a_parts_message_are_no_news():
     assert "1.2 s" in scene.first.cause and scene.sounds() == [Earcon.FAULT_LOW]
 
 
+def test_another_trouble_of_the_same_part_is_told_once():
+    scene = Scene().health("pedal: pedal", "not found yet").run(3.0)
+    sounds = scene.sounds()
+    scene.health("pedal: pedal", "'/dev/input/event5' is not readable").run(3.0)
+    assert "is not readable" in scene.first.cause and len(scene.sounds()) == len(sounds) + 1
+
+
+def test_the_alarm_of_a_part_whose_node_has_ended_goes_and_that_of_one_that_speaks_stays():
+    scene = Scene().health("pedal: pedal", "the device is gone").run(1.0)
+    for _ in range(20):
+        scene.health("rst_control: recording", "nobody records").run(1.0)
+    assert [s.key for s in scene.board.standing] == ["part recording"]
+
+
 @pytest.mark.parametrize(
     ("language", "said", "is_seen_to"),
     [

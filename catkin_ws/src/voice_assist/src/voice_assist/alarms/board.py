@@ -7,6 +7,7 @@ Nothing here reads a clock or waits. The owner hands in what came, with its time
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -42,6 +43,12 @@ _BY_CAUSE = ("part settings", "part strangers ")  # keys whose message names who
 _OWNER_OF = {"rst_control": "controller", "voice_assist": "voice", "kinova_guard": "stop guard"}
 
 
+_NUMBERS = re.compile(r"[0-9.]+")
+FORGOTTEN_AFTER = (
+    10.0  # [s] without a word of a part, which speaks every second: its node has ended
+)
+
+
 @dataclass(frozen=True)
 class Standing:
     """An alarm that stands."""
@@ -73,7 +80,7 @@ class Board:
         self._all: dict[str, Standing] = {}
         self._robot = RobotState(0.0, "")
         self._seen: dict[str, float] = {}  # [s] last message of the parts whose silence is a fault
-        self._errors: dict[str, tuple[str, str]] = {}  # message and code of each part with an error
+        self._errors: dict[str, tuple[str, str, float]] = {}  # message, code, time [s] of each
         self._begun: float | None = None  # [s] of the first thing taken in
 
     @property
@@ -129,7 +136,7 @@ class Board:
         if part == "voice":
             self._seen[part] = now
         if health.is_error:
-            self._errors[part] = health.message, health.reason_code
+            self._errors[part] = health.message, health.reason_code, now
         else:
             self._errors.pop(part, None)
         self._look_at_parts(now)
@@ -154,7 +161,11 @@ class Board:
         self._begun = now if self._begun is None else self._begun
         if now - self._begun < self._config.starting_for and not self._robot.is_active:
             return {}
-        errors = dict(self._errors)
+        errors = {
+            part: (message, code)
+            for part, (message, code, said) in self._errors.items()
+            if part in self._seen or now - said <= FORGOTTEN_AFTER
+        }
         config = self._config
         limits = {"voice": config.voice_silent_after, "controller": config.controller_silent_after}
         for part, seen in self._seen.items():
@@ -196,9 +207,10 @@ def wake_phrases(commands: CommandsConfig) -> frozenset[str]:
 
 def _is_same(key: str, first: Alarm, second: Alarm) -> bool:
     """Whether two alarms have one cause; the numbers in most parts' messages may change."""
-    if key == _LATCH or key.startswith(_BY_CAUSE):
-        return first.cause == second.cause
-    return (first.kind, first.next_step) == (second.kind, second.next_step)
+    causes = first.cause, second.cause
+    if key != _LATCH and not key.startswith(_BY_CAUSE):
+        causes = _NUMBERS.sub("", first.cause), _NUMBERS.sub("", second.cause)
+    return causes[0] == causes[1] and first.next_step == second.next_step
 
 
 def _part_of(status: str) -> str | None:

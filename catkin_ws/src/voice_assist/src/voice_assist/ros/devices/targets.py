@@ -10,6 +10,7 @@ from typing import Any, Final, Protocol
 
 import genpy
 import rospy
+from actionlib import GoalIDGenerator
 from actionlib_msgs.msg import GoalID, GoalStatus
 from genpy.message import fill_message_args
 
@@ -86,7 +87,8 @@ class _Action:
     """A goal, its result, and its end where it takes too long; by the topics of actionlib."""
 
     def __init__(self, config: DeviceCallConfig) -> None:
-        self._config, self._count = config, 0
+        self._config = config
+        self._new_id = GoalIDGenerator().generate_ID  # unlike those of an earlier process
         self._results: Queue[Any] = Queue()
         goal = message_class(f"{config.type}ActionGoal")
         self._goal = goal(goal=_filled(type(goal().goal), config.values))
@@ -103,10 +105,8 @@ class _Action:
         end = time.monotonic() + self._config.within
         if not _wait(lambda: self._topic.get_num_connections() > 0, self._config.within):
             return CallResult(self._config, False, f"nobody serves {self._config.target}")
-        self._count += 1
-        goal_id = GoalID(id=f"{rospy.get_name()}-{self._config.phrase}-{self._count}")
-        goal_id.stamp = self._goal.header.stamp = rospy.Time.now()
-        self._goal.goal_id = goal_id
+        goal_id = self._goal.goal_id = self._new_id()
+        self._goal.header.stamp = goal_id.stamp
         self._topic.publish(self._goal)
         while (left := end - time.monotonic()) > 0.0:
             try:

@@ -33,6 +33,7 @@ PERIOD = 0.05  # [s] between checks of gate, dead-man and silence
 DIAGNOSTICS_EVERY = 20  # checks
 ANSWER_WITHIN = 1.0  # [s] for the controller
 STOP_AGAIN = 0.2  # [s] between stops while the robot moves without the dead-man
+STATE_AGE = 1.0  # [s] of the controller's newest word, from which it is gone; 50 come in a second
 NOT_FOUND = "not found yet"
 
 
@@ -50,7 +51,7 @@ class PedalNode:
         self._config, self._pedals, self._lock = config, Pedals(config), threading.Lock()
         self._trouble = NOT_FOUND
         self._last_news = self._last_stop = float("-inf")  # [s] steady clock
-        self._state = ""
+        self._state, self._state_at = "", float("-inf")  # the time by a steady clock [s]
         self._stop = rospy.Publisher("rst_control/stop", Empty, queue_size=10)
         self._talk = rospy.Publisher(TALK, Bool, queue_size=1)
         self._diagnostics = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=2)
@@ -112,7 +113,7 @@ class PedalNode:
             rospy.rostime.wallsleep(self._config.look_again)
 
     def _on_state(self, message: ControllerState) -> None:
-        self._state = message.state
+        self._state, self._state_at = message.state, time.monotonic()
 
     def _found(self, name: str) -> None:
         self._pedals.found()
@@ -153,8 +154,9 @@ class PedalNode:
             if self._pedals.has_gate:
                 self._talk.publish(Bool(self._pedals.may_talk))
             is_unheld = self._pedals.has_dead_man and not self._pedals.is_held
-            is_due = time.monotonic() - self._last_stop > STOP_AGAIN
-            if is_unheld and self._state == "moving" and is_due:
+            now = time.monotonic()
+            is_moving = self._state == "moving" and now - self._state_at < STATE_AGE
+            if is_unheld and is_moving and now - self._last_stop > STOP_AGAIN:
                 rospy.logwarn("pedal: the robot moves, and the dead-man is not pressed")
                 self._publish_stop()
 
