@@ -37,19 +37,61 @@ def test_a_master_uri_that_is_no_address_is_named(monkeypatch, story, uri):
     )
 
 
-def test_ctrl_c_ends_a_long_pause_of_the_recording(monkeypatch, tmp_path):
-    """rospy takes Ctrl-C as a request to shut down, and Python's sleep goes on after a signal."""
-    hour = 3600 * 10**9
+NOON = 1_795_200_000 * 10**9  # [ns]
+SECOND = 10**9  # [ns]
+
+
+def player_of(path, seconds):
+    """A player of a recording with a message at each time after noon [s]."""
     source = MessageSource("/t", "std_msgs/String", "99" * 16, "string data", "/p")
-    times = enumerate((1_795_200_000 * 10**9, 1_795_200_000 * 10**9 + hour), 1)
-    session = recording_of(tmp_path / "s.mcap", [Message(source, b"x", t, k) for k, t in times])
+    times = enumerate((NOON + round(s * SECOND) for s in seconds), 1)
+    session = recording_of(path, [Message(source, b"x", t, k) for k, t in times])
+    return player_node.RecordingPlayer(session, 1.0, "/played", pytest.fail)
+
+
+@pytest.fixture
+def waits(monkeypatch):
+    """Waits of the player [s]; its clock runs only in them."""
+    waits = []
+    monkeypatch.setattr(player_node.time, "sleep", waits.append)
+    monkeypatch.setattr(player_node.time, "monotonic", lambda: sum(waits))
+    return waits
+
+
+def test_ctrl_c_ends_a_long_pause_of_the_recording(monkeypatch, tmp_path, waits):
+    """rospy takes Ctrl-C as a request to shut down, and Python's sleep goes on after a signal."""
     asked = iter([False] * 3)
     monkeypatch.setattr(player_node.rospy, "is_shutdown", lambda: next(asked, True))
-    slept = []
-    monkeypatch.setattr(player_node.time, "sleep", slept.append)
-    player = player_node.RecordingPlayer(session, 1.0, "/played", pytest.fail)
-    player.play()
-    assert slept and max(slept) <= player_node.LONGEST_SLEEP
+    player_of(tmp_path / "s.mcap", (0.0, 9.0)).play()
+    assert waits and max(waits) <= player_node.LONGEST_SLEEP and sum(waits) < 1.0
+
+
+@pytest.mark.parametrize(
+    ("seconds", "duration", "words"),
+    [
+        ((0.0, 1.0, 3601.0, 3602.0), 2.0, "the clock was set forward by 3600.0 s at "),
+        ((0.0, 1.0, -59.0, -58.0), 2.0, "the clock was set back by 60.0 s at "),
+        ((0.0, 9.0), 9.0, ""),
+        ((0.0, 1.0, 0.95, 2.0), 2.0, ""),
+    ],
+    ids=["forward", "back", "a pause", "a little out of order"],
+)
+def test_where_the_clock_was_set_the_pace_begins_anew(
+    monkeypatch, tmp_path, waits, capsys, seconds, duration, words
+):
+    monkeypatch.setattr(player_node.rospy, "is_shutdown", lambda: False)
+    player_of(tmp_path / "s.mcap", seconds).play()
+    said = capsys.readouterr().out
+    assert sum(waits) == pytest.approx(duration, abs=0.01)
+    assert said.count("\n") == bool(words) and said.startswith(words)
+
+
+def test_the_order_of_other_programs_files_is_none_of_a_clock(monkeypatch, tmp_path, waits, capsys):
+    monkeypatch.setattr(player_node.rospy, "is_shutdown", lambda: False)
+    monkeypatch.setattr(player_node, "LIBRARY", "another recorder")
+    player_of(tmp_path / "s.mcap", (0.0, 60.0, 59.0, 61.0)).play()
+    assert sum(waits) == pytest.approx(61.0, abs=0.01)
+    assert not capsys.readouterr().out
 
 
 def test_messages_that_are_none_of_ros_1_are_not_played(tmp_path):

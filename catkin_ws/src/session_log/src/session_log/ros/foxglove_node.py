@@ -27,7 +27,7 @@ from session_log.types import URDF_TOPIC
 from typed_config import package_file
 from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
-from typed_config.ros.xmlrpc import ask_master
+from typed_config.ros.xmlrpc import FAILURES, ask_master
 
 if TYPE_CHECKING:
     import foxglove
@@ -36,7 +36,8 @@ FILE = package_file("session_log", "config/foxglove.yaml")
 NICE = 10  # it only shows
 INSTALL = "foxglove-sdk is missing: .venv/bin/pip install -r requirements-foxglove.txt"
 AGAIN = 0.5  # [s] from a viewer's wish, or the last try, to the next try
-TRIES = 5  # times that a topic without a connection is subscribed anew
+TRIES = 5  # times that a topic without a connection is subscribed anew, or the URDF asked for
+NO_TEXT = bytes(4)  # an empty std_msgs/String
 IDLE = 0.2  # [s] between checks whether ROS ends
 
 
@@ -117,8 +118,10 @@ class LiveTopics:
 
     def _show(self, topic: str) -> None:
         if topic == URDF_TOPIC:
-            data = str(rospy.get_param("robot_description", "")).encode()
-            self._latched[topic] = len(data).to_bytes(4, "little") + data
+            self._latched.pop(topic, None)
+            with suppress(*FAILURES):  # it is asked again
+                data = _urdf().encode()
+                self._latched[topic] = len(data).to_bytes(4, "little") + data
         elif topic not in self._subscribers:
             self._latched.pop(topic, None)
 
@@ -130,13 +133,19 @@ class LiveTopics:
         self._repeat(topic)
 
     def _look_again(self, topic: str, tries: int) -> None:
-        """A while after a viewer came: what was latched once more; who is not connected, anew."""
-        subscriber = self._subscribers.get(topic)
-        if subscriber is not None and subscriber.get_num_connections() == 0 and tries:
-            self._subscribers.pop(topic).unregister()
+        """A while after a viewer came: what was latched once more; what did not come, anew."""
+        if tries and self._viewers.get(topic) and self._has_no_answer(topic):
+            if (subscriber := self._subscribers.pop(topic, None)) is not None:
+                subscriber.unregister()
             self._show(topic)
             self._again.append((time.monotonic() + AGAIN, topic, tries - 1))
         self._repeat(topic)
+
+    def _has_no_answer(self, topic: str) -> bool:
+        if topic == URDF_TOPIC:
+            return self._latched.get(topic, NO_TEXT) == NO_TEXT
+        subscriber = self._subscribers.get(topic)
+        return subscriber is not None and subscriber.get_num_connections() == 0
 
     def _repeat(self, topic: str) -> None:
         """Send a latched message anew, for a viewer that has come since."""
@@ -147,6 +156,19 @@ class LiveTopics:
         if message._connection_header.get("latching") == "1":
             self._latched[topic] = message._buff
         self._channels[topic].log(message._buff)
+
+
+def _urdf() -> str:
+    """The URDF of the parameter server; empty: it has none.
+
+    Raises:
+        FAILURES: The master does not answer in time.
+    """
+    name = rospy.resolve_name("robot_description")
+    try:
+        return str(ask_master("getParam", name))
+    except ValueError:  # it is not set, or not yet
+        return ""
 
 
 def serve(config: FoxgloveConfig) -> None:

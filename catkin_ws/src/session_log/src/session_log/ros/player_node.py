@@ -12,6 +12,7 @@ import argparse
 import sys
 import time
 from collections.abc import Callable, Collection
+from datetime import datetime
 from io import BytesIO
 from typing import Any
 
@@ -20,6 +21,8 @@ import rospy
 from session_log.errors import SessionLogError
 from session_log.mcap_file.encoding import WrongEncoding
 from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.summary import CLOCK_STEP, ClockStep
+from session_log.mcap_file.writer import LIBRARY
 from session_log.types import URDF_TOPIC, Message, MessageSource
 from typed_config.ros.xmlrpc import FAILURES, ask_master, master_problem
 
@@ -27,6 +30,7 @@ PREFIX = "/played"
 VIEWERS = ("/rviz", "/rosout", "/foxglove")  # beginnings of the names of nodes that move nothing
 CHECK_PERIOD = 1.0  # [s] between searches for nodes that came meanwhile
 CONNECT_TIME = 1.0  # [s] for viewers to connect before the first message
+LONGEST_SILENCE = 10_000_000_000  # [ns] a session is never so quiet: its state comes at 50 Hz
 LONGEST_SLEEP = 0.2  # [s] so that Ctrl-C ends a pause of the recording
 
 
@@ -94,13 +98,16 @@ class RecordingPlayer:
     def play(self) -> None:
         """Publish all, each message when it is due; ends early where ROS shuts down.
 
+        Where the recorder's clock was set, the pace begins anew.
+
         Raises:
             LiveSystem: A running system has one of the topics.
         """
-        begin: tuple[int, float] | None = None
+        begin, before = (0, 0.0), 0
         for message in self._reader.messages():
-            if begin is None:
+            if before == 0 or self._says_step(before, message.log_time):
                 begin = message.log_time, time.monotonic()
+            before = message.log_time
             due = begin[1] + (message.log_time - begin[0]) * 1e-9 / self._rate
             while (left := due - time.monotonic()) > 0.0 and not rospy.is_shutdown():
                 time.sleep(min(left, LONGEST_SLEEP))
@@ -109,6 +116,14 @@ class RecordingPlayer:
                 return
             self._check()
             self._publish(message)
+
+    def _says_step(self, before: int, now: int) -> bool:
+        """Whether time jumps between two messages; only ours are in its order, and without gaps."""
+        words = _clock_step(before, now)
+        if not words or self._reader.condition.library != LIBRARY:
+            return False
+        print(f"{words}; played on at once", flush=True)
+        return True
 
     def _publish(self, message: Message) -> None:
         publisher = self._out.get(message.source.topic)
@@ -129,6 +144,18 @@ class LiveSystem(SessionLogError):
             f"in use by a running system: {', '.join(live[:3])}; play on a roscore of its own, or "
             "without --recorded-names"
         )
+
+
+def _clock_step(before: int, now: int) -> str:
+    """Names a jump between two log times [ns]; empty: there is none."""
+    if now < before - CLOCK_STEP:
+        return str(ClockStep(before, now))
+    if now <= before + LONGEST_SILENCE:
+        return ""
+    at = datetime.fromtimestamp(before * 1e-9).astimezone()
+    seconds = (now - before) * 1e-9
+    words = f"the clock was set forward by {seconds:.1f} s at {at:%Y-%m-%d %H:%M:%S %Z}"
+    return f"{words}, or nothing was recorded meanwhile"
 
 
 def _publisher(source: MessageSource, name: str) -> rospy.Publisher:
