@@ -2,10 +2,13 @@
 """The page outlives the master and a controller that hangs; only a taken address ends it."""
 
 import asyncio
+import socket
 import threading
 import time
 from contextlib import nullcontext
+from copy import deepcopy
 from types import SimpleNamespace
+from xml.parsers.expat import ExpatError
 
 import pytest
 import rospy
@@ -13,6 +16,7 @@ import rospy
 from rst_control.srv import CommandResponse
 from tests.unit.voice_assist.display.support.theatre import STOPPED, Clock
 from typed_config import load_file, load_yaml
+from typed_config.ros import xmlrpc
 from voice_assist.config import CONFIG_DIR
 from voice_assist.config.display import FILE, DisplayConfig
 from voice_assist.display.theatre import Limits, Theatre
@@ -25,10 +29,10 @@ from voice_assist.ros.service_calls import Reply
 
 CONFIG = load_file(DisplayConfig, FILE)
 GIVEN = {
-    "controller/controller/tension/limit": 2.4,
-    "controller/rcm/measured_tolerance": 0.001,
-    "voice_assist/recognizer/ask/answer_within": 3,
-    "voice_assist/commands": load_yaml(CONFIG_DIR / "commands.yaml"),
+    "/controller/controller/tension/limit": 2.4,
+    "/controller/rcm/measured_tolerance": 0.001,
+    "/voice_assist/recognizer/ask/answer_within": 3,
+    "/voice_assist/commands": load_yaml(CONFIG_DIR / "commands.yaml"),
 }
 
 
@@ -36,10 +40,26 @@ GIVEN = {
 def node():
     node = object.__new__(DisplayNode)
     node._theatre = Theatre(0.5, time.monotonic, time.time)
+    node._commands = None
     node.known = SimpleNamespace(publish_status=lambda: None)
     node.clock = Clock()
     node._alarms = AlarmWatch(node._theatre, lambda: True, node.clock)
     return node
+
+
+def answer(monkeypatch, given, errors=()):
+    """In place of the master: these parameters, after these errors."""
+    errors = iter(errors)
+
+    def ask_master(method, name):
+        assert method == "getParam"
+        if (error := next(errors, None)) is not None:
+            raise error
+        if name not in given:
+            raise ValueError(f"Parameter [{name}] is not set")
+        return deepcopy(given[name])
+
+    monkeypatch.setattr(node_module, "ask_master", ask_master)
 
 
 class From:
@@ -62,37 +82,59 @@ def test_an_alarm_counts_while_the_node_that_said_it_publishes_diagnostics(monke
         assert node._theatre.snapshot().alarm == shown
 
 
-@pytest.mark.parametrize(
-    "error", [ConnectionRefusedError(), TimeoutError(), rospy.ROSException("strange")]
-)
+@pytest.mark.parametrize("error", [ConnectionRefusedError(), TimeoutError(), ExpatError()])
 def test_while_the_master_is_gone_what_was_read_stays(monkeypatch, node, error):
-    monkeypatch.setattr(rospy, "get_param", lambda name, default: GIVEN.get(name, default))
+    answer(monkeypatch, GIVEN)
     node.look_again()
     limits, rules = node._theatre.limits, node._theatre.rules
     assert limits == Limits(2.4, 0.001) and rules
-
-    def fail(name, default):
-        raise error
-
-    monkeypatch.setattr(rospy, "get_param", fail)
+    answer(monkeypatch, {}, [error])
     node.look_again()
     assert (node._theatre.limits, node._theatre.rules) == (limits, rules)
     assert node._theatre.answer_within == 3.0
 
 
 def test_a_master_that_is_back_is_read_again(monkeypatch, node):
-    answers = iter([ConnectionRefusedError()])
-
-    def read(name, default):
-        if (error := next(answers, None)) is not None:
-            raise error
-        return GIVEN.get(name, default)
-
-    monkeypatch.setattr(rospy, "get_param", read)
+    answer(monkeypatch, GIVEN, [ConnectionRefusedError()])
     node.look_again()
     assert node._theatre.limits == Limits()
     node.look_again()
     assert node._theatre.limits == Limits(2.4, 0.001)
+
+
+def test_a_master_that_hangs_does_not_end_the_watch_over_the_alarm_node(monkeypatch, node):
+    monkeypatch.setattr(xmlrpc, "ANSWER_TIME", 0.05)
+    with socket.create_server(("127.0.0.1", 0)) as master:  # takes connections, answers none
+        port = master.getsockname()[1]
+        monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{port}")
+        looking = threading.Thread(target=node.look_again, daemon=True)
+        looking.start()
+        looking.join(10.0)
+        assert not looking.is_alive()
+
+
+def test_the_words_that_can_be_said_are_those_of_the_voice_node_launched_last(monkeypatch, node):
+    answer(monkeypatch, GIVEN)
+    node.look_again()
+    first = node._theatre.rules
+    node.look_again()
+    assert node._theatre.rules is first  # built once
+    german = load_yaml(CONFIG_DIR / "commands_de.yaml")
+    answer(monkeypatch, {**GIVEN, "/voice_assist/commands": german})
+    node.look_again()
+    assert "hallo roboter" in {rule.phrase for rule in node._theatre.rules}
+    answer(monkeypatch, {})
+    node.look_again()
+    assert node._theatre.rules == () and node._theatre.limits == Limits()
+
+
+def test_a_display_that_starts_late_says_how_long_has_been_recorded(node):
+    node._on_file(SimpleNamespace(data="/sessions/a/session.mcap"))
+    values = {"file": "/sessions/a/session.mcap", "recorded for [s]": "3725.0"}
+    pairs = [SimpleNamespace(key=key, value=value) for key, value in values.items()]
+    node._theatre.see_recording("")
+    node._on_health(SimpleNamespace(values=pairs))
+    assert node._theatre.snapshot().recording.since == pytest.approx(3725.0, abs=60.0)
 
 
 class Server:

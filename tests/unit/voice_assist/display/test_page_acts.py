@@ -22,6 +22,14 @@ from voice_assist.display.snapshot import UtterancePart
 
 pytestmark = pytest.mark.skipif(not find_browser(), reason=MISSING)
 STAMP = 1795676782.123456789  # [s] of the picture that is clicked
+MARKS = """const later = window.setTimeout, never = window.clearTimeout;
+window.marks = new Set();
+window.setTimeout = (done, after) => {
+  const timer = later(done, after);
+  if (after === 6000) window.marks.add(timer);
+  return timer;
+};
+window.clearTimeout = (timer) => { window.marks.delete(timer); never(timer); };"""
 UNSURE = UtterancePart(" Pull more.", "", "nearly sure", "recognizer")
 
 
@@ -60,6 +68,40 @@ def test_a_question_is_answered_after_the_token():
 
     asyncio.run(run())
     assert acts.asked == [("answer", "pull more", True), ("answer", "pull more", False)]
+
+
+@pytest.mark.parametrize("wrong", ["ТОКЕН", "ABCDEFG\u2013", "ÄBCDEFGH"])
+def test_a_token_that_cannot_be_sent_is_refused_where_it_is_entered(wrong):
+    acts = RecordedActs()
+
+    async def use(page):
+        async with Browser() as browser:
+            await browser.open(page)
+            await browser.evaluate(enter(TOKEN))
+            await browser.evaluate(enter(wrong))
+            assert "letters A to Z and digits" in await browser.evaluate(text("act-words"))
+            await browser.evaluate("document.getElementById('microphone-name').value = 'usb'")
+            await browser.evaluate(click("choose"))  # by the token before it
+            await browser.until(f"{text('act-words')} === 'done'")
+
+    async def run():
+        async with make_server(None, acts) as server:
+            await use(server.address)
+
+    asyncio.run(run())
+    assert acts.asked == [("microphone", "usb")]
+
+
+def test_the_mark_of_a_second_click_lasts_as_long_as_that_of_the_first():
+    async def run():
+        async with make_server() as server, Browser() as browser:
+            await browser.send("Page.addScriptToEvaluateOnNewDocument", source=MARKS)
+            await browser.open(server.address)
+            for x in (10, 20):
+                await browser.evaluate(f"markPick({{ clientX: {x}, clientY: 10 }})")
+            assert await browser.evaluate("window.marks.size") == 1
+
+    asyncio.run(run())
 
 
 async def pick(page, theatre, acts, clock):

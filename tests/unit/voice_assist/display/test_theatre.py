@@ -91,6 +91,20 @@ def test_limits_and_why_the_tension_is_invalid_are_shown_with_it(theatre):
     assert tissue.invalid_reason == "stuck"
 
 
+def test_a_recording_counts_from_its_begin_and_not_from_when_it_became_known(theatre, clock):
+    file = theatre.snapshot().recording.file
+    clock.now += 3.0
+    assert theatre.snapshot().recording.since == 3.0
+    theatre.see_recorded_for("/sessions/another/session.mcap", 7200.0)
+    assert theatre.snapshot().recording.since == 3.0
+    theatre.see_recorded_for(file, 3600.0)
+    clock.now += 1.0
+    theatre.see_recorded_for(file, 3600.5)  # came late: time does not go back
+    assert theatre.snapshot().recording.since == 3601.0
+    theatre.see_file("/sessions/another/session.mcap")
+    assert theatre.snapshot().recording.since == 0.0
+
+
 def test_pictures_are_numbered(theatre):
     theatre.see_picture("image/png", b"one", 1.0)
     theatre.see_picture("image/jpeg", b"two", 2.0)

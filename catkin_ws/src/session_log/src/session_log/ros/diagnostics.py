@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import time
 
 import diagnostic_updater
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -17,6 +18,7 @@ class RecorderDiagnostics:
 
     def __init__(self, recorder: Recorder, config: RecorderConfig) -> None:
         self._recorder, self._config = recorder, config
+        self._file, self._began = "", 0.0  # that is recorded, and since when [s] of a steady clock
         self.problem = ""  # of discovery or of the topics that were waited for
         self._updater = diagnostic_updater.Updater()
         self._updater.setHardwareID("session_log")
@@ -30,6 +32,7 @@ class RecorderDiagnostics:
         status = self._recorder.status()
         stat.summary(*self._summary(status))
         stat.add("file", status.path)
+        stat.add("recorded for [s]", round(self._recorded_for(status.path), 1))
         stat.add("size [B]", status.size)
         stat.add("topics", status.topics)
         stat.add("messages received", status.received)
@@ -43,6 +46,13 @@ class RecorderDiagnostics:
                 words = f"{tally.dropped} dropped, {tally.missed} missed"
                 stat.add(f"loss on {tally.source.topic} from {tally.source.publisher}", words)
         return stat
+
+    def _recorded_for(self, path: str) -> float:
+        """How long this file has been seen here [s]; zero: there is none."""
+        now = time.monotonic()
+        if path != self._file:
+            self._file, self._began = path, now
+        return now - self._began if path else 0.0
 
     def _summary(self, status: RecorderStatus) -> tuple[bytes, str]:
         if not status.is_recording:

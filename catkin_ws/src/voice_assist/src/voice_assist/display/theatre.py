@@ -144,7 +144,15 @@ class Theatre:
 
     def see_file(self, file: str) -> None:
         """The file that is recorded; empty: none."""
-        self._file = _News(file, self._clock()) if file else None
+        with self._lock:
+            self._file = _News(file, self._clock()) if file else None
+
+    def see_recorded_for(self, file: str, seconds: float) -> None:
+        """How long a file has been recorded for, which may be longer than it is known here."""
+        with self._lock:
+            known = self._file
+            if known is not None and known.value == file:
+                self._file = _News(file, min(known.at, self._clock() - seconds))
 
     def see_free_space(self, free: int | None) -> None:
         """Of the recorder's disk [B]; None: unknown."""

@@ -331,7 +331,9 @@ byId("stop").addEventListener("pointerdown", stop);
 byId("stop").addEventListener("click", stop);
 byId("unlock").addEventListener("submit", (event) => {
   event.preventDefault();
-  token = byId("token").value.trim();
+  const entered = byId("token").value.trim();
+  if (/[^ -~]/.test(entered)) { say("act-words", t`A token has the letters A to Z and digits only: this one is not taken`); return; } // no header holds it
+  token = entered;
   sessionStorage.setItem("token", token);
   byId("token").value = "";
   say("act-words", token ? t`The token is kept until this page is closed` : "");
@@ -361,12 +363,14 @@ byId("pick").addEventListener("click", () => {
   arm(isArmed);
   say("pick-words", isArmed ? t`Click the tissue in the endoscope's picture` : "");
 });
+let unmark = 0; // timer that ends the mark of the last click
 function markPick(event) {
   const frame = byId("picture-frame").getBoundingClientRect(), picked = byId("picked");
   picked.style.left = `${event.clientX - frame.left}px`;
   picked.style.top = `${event.clientY - frame.top}px`;
   picked.hidden = false;
-  setTimeout(() => { picked.hidden = true; }, PICKED_FOR);
+  clearTimeout(unmark); // of an earlier click
+  unmark = setTimeout(() => { picked.hidden = true; }, PICKED_FOR);
 }
 byId("picture").addEventListener("click", (event) => {
   if (byId("pick").getAttribute("aria-pressed") !== "true") return;

@@ -27,7 +27,6 @@ from voice_assist.types import FULL_SCALE, RejectionReason
 ANY_STATE = frozenset(state.value for state in State)
 _HELD = {TissueNeeded.HELD: True, TissueNeeded.NONE: False, TissueNeeded.ANY: None}
 _BEGINNINGS = {b"\x89PNG\r\n\x1a\n": "image/png", b"\xff\xd8\xff": "image/jpeg"}
-LARGEST = 8_000_000  # [B] of a picture
 
 
 def robot_parts(message: ControllerState) -> tuple[RobotPart, TissuePart]:
@@ -92,9 +91,7 @@ def sound_level(message: AudioChunk) -> float:
 
 
 def picture_kind(data: bytes) -> str:
-    """image/png or image/jpeg, by its first bytes; empty: it is neither, or too large."""
-    if len(data) > LARGEST:
-        return ""
+    """image/png or image/jpeg, by its first bytes; empty: it is neither."""
     return next((kind for start, kind in _BEGINNINGS.items() if data.startswith(start)), "")
 
 

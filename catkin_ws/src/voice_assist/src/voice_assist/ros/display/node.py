@@ -17,7 +17,7 @@ from rst_control.msg import ControllerState
 from typed_config import ConfigError, load_config
 from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
-from typed_config.ros.xmlrpc import FAILURES
+from typed_config.ros.xmlrpc import FAILURES, ask_master
 from voice_assist.config import CommandConfig, CommandsConfig
 from voice_assist.config.believed import believed_config
 from voice_assist.config.display import FILE, DisplayConfig
@@ -52,6 +52,7 @@ class DisplayNode:
 
     def __init__(self, theatre: Theatre) -> None:
         self._theatre = theatre
+        self._commands: object = None  # parameter that the spoken words were last read from
         self.known = Believed()
         follow = self.known.hear
         self._alarms = AlarmWatch(theatre, lambda: is_connected(self._alarm), time.monotonic)
@@ -75,22 +76,20 @@ class DisplayNode:
         """Take in what no topic says, and name who is not believed."""
         self.known.publish_status()
         self._alarms.look_again()
-        with suppress(*FAILURES, rospy.ROSException):  # while the master is gone the page goes on
+        with suppress(*FAILURES):  # while the master is gone or hangs, the page goes on
             self._look_at_settings()
 
     def _look_at_settings(self) -> None:
-        """Take in the parameters.
-
-        Raises:
-            OSError: The master is gone; what was read before stays.
-        """
+        """Take in the parameters; raises FAILURES: what was read before stays."""
         self._theatre.limits = Limits(
-            tension=_setting(f"{SETTINGS}/controller/tension/limit"),
-            rcm=_setting(f"{SETTINGS}/rcm/measured_tolerance"),
+            tension=_number(f"{SETTINGS}/controller/tension/limit"),
+            rcm=_number(f"{SETTINGS}/rcm/measured_tolerance"),
         )
-        self._theatre.answer_within = _setting(f"{VOICE}/recognizer/ask/answer_within") or 0.0
-        if not self._theatre.rules:
-            self._theatre.rules = messages.word_rules(_commands())
+        self._theatre.answer_within = _number(f"{VOICE}/recognizer/ask/answer_within") or 0.0
+        given = _parameter(f"{VOICE}/commands")
+        if given != self._commands:  # another voice node was launched
+            self._theatre.rules = messages.word_rules(_commands(given))
+            self._commands = given
 
     def _on_state(self, message: ControllerState) -> None:
         self._theatre.see_robot(*messages.robot_parts(message))
@@ -137,16 +136,27 @@ class DisplayNode:
             self._theatre.see_voice_health(microphone, trouble)
         if "free space [B]" in values:
             self._theatre.see_free_space(int(values["free space [B]"]) or None)
+        if "recorded for [s]" in values:
+            self._theatre.see_recorded_for(
+                values.get("file", ""), float(values["recorded for [s]"])
+            )
 
 
-def _setting(name: str) -> float | None:
-    value = rospy.get_param(name, None)
+def _parameter(name: str) -> object:
+    """A parameter, None if it is not set; raises FAILURES soon where a master hangs."""
+    try:
+        return ask_master("getParam", rospy.resolve_name(name))
+    except ValueError:
+        return None
+
+
+def _number(name: str) -> float | None:
+    value = _parameter(name)
     return float(value) if isinstance(value, int | float) else None
 
 
-def _commands() -> tuple[CommandConfig, ...]:
+def _commands(given: object) -> tuple[CommandConfig, ...]:
     """What can be said; nothing while no voice node was launched."""
-    given = rospy.get_param(f"{VOICE}/commands", None)
     if given is None:
         return ()
     try:

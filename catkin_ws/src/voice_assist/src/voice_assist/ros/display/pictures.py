@@ -15,6 +15,7 @@ from voice_assist.config.display import PictureConfig
 from voice_assist.display.theatre import Theatre
 from voice_assist.ros.display.messages import picture_kind
 
+LARGEST = 8_000_000  # [B] of a picture
 BUFFER = 16_000_000  # [B] of the connection: the newest picture is read whole
 SMOOTHING = 0.2  # of the time between two pictures
 
@@ -34,7 +35,7 @@ class Pictures:
         self._config, self._theatre, self._is_watched = config, theatre, is_watched
         self._period = config.period
         self._last = float("-inf")
-        self._refused = ""
+        self._troubles: dict[str, str] = {}  # that were told, by what they are of
         theatre.see_picture_period(config.period)
         self._topic = rospy.Subscriber(
             config.topic, CompressedImage, self._on_picture, queue_size=1, buff_size=BUFFER
@@ -43,9 +44,12 @@ class Pictures:
             threading.Thread(target=self._ask, name="pictures", daemon=True).start()
 
     def _on_picture(self, message: CompressedImage) -> None:
-        kind = picture_kind(message.data)
-        if not kind:
-            self._complain(f"a picture of {len(message.data)} bytes is neither PNG nor JPEG")
+        kind, size = picture_kind(message.data), len(message.data)
+        trouble = "" if kind else "a picture is neither PNG nor JPEG"
+        if size > LARGEST:
+            trouble = f"a picture is larger than the {LARGEST} bytes that are allowed"
+        self._complain("picture", trouble, f" ({size} bytes)")
+        if trouble:
             return
         now = time.monotonic()
         if now - self._last < 10.0 * self._period:  # not the first after a pause
@@ -62,15 +66,15 @@ class Pictures:
             if self._is_watched():
                 try:
                     answer = service()
-                    self._complain("" if answer.success else answer.message)
+                    self._complain("request", "" if answer.success else answer.message)
                 except rospy.ServiceException:
                     pass  # nobody offers pictures; the page says that there is none
             took = time.monotonic() - began
             rest = max(self._config.period - took, took / self._config.share - took)
             rospy.rostime.wallsleep(rest)
 
-    def _complain(self, words: str) -> None:
-        """Log a trouble once when it begins."""
-        if words and words != self._refused:
-            rospy.logwarn("no picture of the scene: %s", words)
-        self._refused = words
+    def _complain(self, part: str, trouble: str, detail: str = "") -> None:
+        """Log a trouble of a part once when it begins, whatever its detail; empty: it ended."""
+        if trouble and trouble != self._troubles.get(part):
+            rospy.logwarn("no picture of the scene: %s%s", trouble, detail)
+        self._troubles[part] = trouble
