@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray
 
 from typed_config import load_yaml
 from voice_assist.alarms.board import Standing
@@ -53,7 +54,7 @@ def test_an_alarm_node_that_died_is_noticed_and_one_that_is_back_counts(links):
     viewer = Viewer(view)
     links.append(SimpleNamespace(socket=object()))
     viewer.look()
-    assert view.seen == []
+    assert view.seen == ["lost"]  # nothing was said yet
     viewer._take(Alarm())
     viewer.look()
     links[0].socket = None  # as rospy leaves the connection to a killed node
@@ -63,7 +64,25 @@ def test_an_alarm_node_that_died_is_noticed_and_one_that_is_back_counts(links):
     viewer.look()
     viewer._take(Alarm(kind=Kind.STOP.value, priority=2, cause="stopped by voice"))
     viewer.look()
-    assert view.seen == ["well", "lost", "stopped by voice"]
+    assert view.seen == ["lost", "well", "lost", "stopped by voice"]
+
+
+def test_an_alarm_node_that_hangs_is_noticed_and_so_is_its_next_word(links):
+    view, now = View(), [0.0]
+    viewer = Viewer(view, lambda: now[0])
+    links.append(SimpleNamespace(socket=object()))
+    viewer._take(Alarm())
+    for now[0] in (1.0, 2.0, 3.0):
+        viewer._see_status(DiagnosticArray())
+        viewer.look()
+    assert view.seen == ["well"]
+    now[0] += 4.0
+    viewer.look()
+    viewer.look()
+    assert view.seen == ["well", "lost"]
+    viewer._see_status(DiagnosticArray())
+    viewer.look()
+    assert view.seen == ["well", "lost", "well"]
 
 
 def test_lines_tell_no_alarm_from_no_word(capsys):

@@ -20,10 +20,10 @@ from typed_config.ros import xmlrpc
 from voice_assist.config import CONFIG_DIR
 from voice_assist.config.display import FILE, DisplayConfig
 from voice_assist.display.theatre import Limits, Theatre
+from voice_assist.ros.alarm_watch import AlarmWatch
 from voice_assist.ros.display import acts as acts_module
 from voice_assist.ros.display import node as node_module
 from voice_assist.ros.display.acts import RosActs
-from voice_assist.ros.display.alarm_watch import AlarmWatch
 from voice_assist.ros.display.node import DisplayNode, NotServedError
 from voice_assist.ros.service_calls import Reply
 
@@ -43,7 +43,7 @@ def node():
     node._commands = None
     node.known = SimpleNamespace(publish_status=lambda: None)
     node.clock = Clock()
-    node._alarms = AlarmWatch(node._theatre, lambda: True, node.clock)
+    node._alarms = AlarmWatch(node._theatre.see_alarm, lambda: True, node.clock)
     return node
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from tests.unit.voice_assist.display.support.theatre import STOPPED, Clock, make_theatre
 from voice_assist.display.snapshot import AlarmPart
-from voice_assist.ros.display.alarm_watch import AlarmWatch
+from voice_assist.ros.alarm_watch import AlarmWatch
 
 
 class Rig:
@@ -15,7 +15,7 @@ class Rig:
 
     def __init__(self):
         self.theatre, self.clock, self.is_connected = make_theatre(), Clock(), True
-        self.watch = AlarmWatch(self.theatre, lambda: self.is_connected, self.clock)
+        self.watch = AlarmWatch(self.theatre.see_alarm, lambda: self.is_connected, self.clock)
 
     @property
     def shown(self):
@@ -67,7 +67,7 @@ def test_a_word_that_comes_while_nobody_is_found_stays():
         word.join(0.2)  # as long as it may
         return False
 
-    watch = rig.watch = AlarmWatch(rig.theatre, is_connected, rig.clock)
+    watch = rig.watch = AlarmWatch(rig.theatre.see_alarm, is_connected, rig.clock)
     watch.look_again()
     word.join(10.0)
     assert rig.shown == STOPPED

@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
-import threading
 import time
+from collections.abc import Callable
 from contextlib import nullcontext
 from typing import Protocol
 
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray
 from rich.console import Console
 from rich.live import Live
 
@@ -16,7 +17,8 @@ from voice_assist.alarms.appearance import line
 from voice_assist.alarms.screen import NO_WORD, AlarmScreen
 from voice_assist.alarms.types import AlarmText, Kind, Priority
 from voice_assist.msg import Alarm as AlarmMessage
-from voice_assist.ros.connected import is_connected
+from voice_assist.ros.alarm_watch import AlarmWatch
+from voice_assist.ros.connected import is_connected, publisher_of
 
 _REFRESH = 8  # [Hz], enough for flashing
 _LOOK_AGAIN = 0.2  # [s] between looks whether the alarm node is there
@@ -41,21 +43,30 @@ class Viewer:
         view: Shows what it reports, and that it is not there.
     """
 
-    def __init__(self, view: View) -> None:
-        self._view, self._is_lost = view, False
-        self._lock = threading.Lock()  # or a loss could be shown after the word of a new node
+    def __init__(self, view: View, clock: Callable[[], float] = time.monotonic) -> None:
+        self._view = view
+        self._shown: AlarmMessage | str | None = "nothing yet"
+        self._watch = AlarmWatch(self._show, lambda: is_connected(self._topic), clock)
         self._topic = rospy.Subscriber("voice_assist/alarm", AlarmMessage, self._take)
+        rospy.Subscriber("/diagnostics", DiagnosticArray, self._see_status)
 
     def look(self) -> None:
-        """Notice that no alarm node is there: then nothing says whether all is well."""
-        with self._lock:
-            if not self._is_lost and not is_connected(self._topic):
-                self._is_lost = True
-                self._view.lose()
+        """Notice that no alarm node is there, or it hangs: then nothing says that all is well."""
+        self._watch.look_again()
 
     def _take(self, message: AlarmMessage) -> None:
-        with self._lock:
-            self._is_lost = False
+        self._watch.see_alarm(message, publisher_of(message))
+
+    def _see_status(self, message: DiagnosticArray) -> None:
+        self._watch.see_status(publisher_of(message))
+
+    def _show(self, message: AlarmMessage | None) -> None:
+        if message is self._shown:
+            return
+        self._shown = message
+        if message is None:
+            self._view.lose()
+        else:
             self._view.show(_alarm(message), message.acknowledged, tuple(message.others))
 
 

@@ -14,7 +14,6 @@ from rst_control.commands.parser import read_command
 from rst_control.commands.spec import TissueNeeded
 from rst_control.msg import ControllerState
 from rst_control.types import State
-from typed_config.node_names import caller_name
 from voice_assist.audio.source import level_db
 from voice_assist.config import CommandConfig
 from voice_assist.config.commands import AmountCommand
@@ -77,12 +76,6 @@ def alarm_part(message: Alarm) -> AlarmPart:
         is_acknowledged=message.acknowledged,
         others=tuple(message.others),
     )
-
-
-def publisher_of(message: Any) -> str:
-    """Name of the node that a message came from."""
-    header = getattr(message, "_connection_header", None) or {}
-    return caller_name(header.get("callerid"))
 
 
 def sound_level(message: AudioChunk) -> float:

@@ -25,11 +25,11 @@ from voice_assist.display.access_token import AccessToken
 from voice_assist.display.server import DisplayServer
 from voice_assist.display.theatre import Limits, Theatre
 from voice_assist.msg import Alarm, AudioChunk, DeviceCall, Mode, Utterance
+from voice_assist.ros.alarm_watch import AlarmWatch
 from voice_assist.ros.believed import Believed
-from voice_assist.ros.connected import is_connected
+from voice_assist.ros.connected import is_connected, publisher_of
 from voice_assist.ros.display import messages
 from voice_assist.ros.display.acts import RosActs
-from voice_assist.ros.display.alarm_watch import AlarmWatch
 from voice_assist.ros.display.endoscope import Endoscope
 from voice_assist.ros.display.pictures import Pictures
 
@@ -55,7 +55,9 @@ class DisplayNode:
         self._commands: object = None  # parameter that the spoken words were last read from
         self.known = Believed()
         follow = self.known.hear
-        self._alarms = AlarmWatch(theatre, lambda: is_connected(self._alarm), time.monotonic)
+        self._alarms = AlarmWatch(
+            theatre.see_alarm, lambda: is_connected(self._alarm), time.monotonic
+        )
         self._alarm = follow("system", "voice_assist/alarm", Alarm, self._on_alarm)
         self._subscribers = [
             follow(
@@ -114,7 +116,7 @@ class DisplayNode:
         self._theatre.see_mode(message.mode)
 
     def _on_alarm(self, message: Alarm) -> None:
-        self._alarms.see_alarm(messages.alarm_part(message), messages.publisher_of(message))
+        self._alarms.see_alarm(messages.alarm_part(message), publisher_of(message))
 
     def _on_recording(self, message: String) -> None:
         self._theatre.see_recording(message.data)
@@ -123,7 +125,7 @@ class DisplayNode:
         self._theatre.see_file(message.data)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        self._alarms.see_status(messages.publisher_of(message))
+        self._alarms.see_status(publisher_of(message))
         for status in message.status:
             self._on_health(status)
 
