@@ -20,7 +20,7 @@ from typed_config.ros import xmlrpc
 from voice_assist.config import CONFIG_DIR
 from voice_assist.config.display import FILE, DisplayConfig
 from voice_assist.display.theatre import Limits, Theatre
-from voice_assist.ros.alarm_watch import AlarmWatch
+from voice_assist.ros.alarms.alarm_watch import AlarmWatch
 from voice_assist.ros.display import acts as acts_module
 from voice_assist.ros.display import node as node_module
 from voice_assist.ros.display.acts import RosActs

@@ -7,7 +7,7 @@ import pytest
 
 from tests.unit.voice_assist.display.support.theatre import STOPPED, Clock, make_theatre
 from voice_assist.display.snapshot import AlarmPart
-from voice_assist.ros.alarm_watch import AlarmWatch
+from voice_assist.ros.alarms.alarm_watch import AlarmWatch
 
 
 class Rig:

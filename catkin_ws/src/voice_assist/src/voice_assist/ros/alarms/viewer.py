@@ -17,7 +17,7 @@ from voice_assist.alarms.appearance import line
 from voice_assist.alarms.screen import NO_WORD, AlarmScreen
 from voice_assist.alarms.types import AlarmText, Kind, Priority
 from voice_assist.msg import Alarm as AlarmMessage
-from voice_assist.ros.alarm_watch import AlarmWatch
+from voice_assist.ros.alarms.alarm_watch import AlarmWatch
 from voice_assist.ros.connected import is_connected, publisher_of
 
 _REFRESH = 8  # [Hz], enough for flashing

@@ -25,7 +25,7 @@ from voice_assist.display.access_token import AccessToken
 from voice_assist.display.server import DisplayServer
 from voice_assist.display.theatre import Limits, Theatre
 from voice_assist.msg import Alarm, AudioChunk, DeviceCall, Mode, Utterance
-from voice_assist.ros.alarm_watch import AlarmWatch
+from voice_assist.ros.alarms.alarm_watch import AlarmWatch
 from voice_assist.ros.believed import Believed
 from voice_assist.ros.connected import is_connected, publisher_of
 from voice_assist.ros.display import messages
