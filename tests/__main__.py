@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`make test`: all tests; `--fast`, for `make check`: those that need no node and little time.
 
-The demo and Whisper base come first, and no other system beside them: they take both cores. Systems
-wait half of the time, so then two run at once, the longest first. One process more has the tests
-with nodes but without a robot that is led. The tests without nodes, and those that only read launch
-files or wait for no time, run on every core beside them, at a lower priority. With other arguments:
-one pytest with them.
+The demo and Whisper base come first, and no other system beside them: they take both cores. Then
+two systems run at once, and no more, since each takes a core: one that hears, beside one that does
+not. The tests without nodes, and those that only read launch files or wait for no time, run on
+every core beside them, at a lower priority. With other arguments: one pytest with them.
 """
 
 from __future__ import annotations
@@ -22,32 +21,26 @@ from xml.etree import ElementTree
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / ".cache" / "tests"  # files of JUnit's form, and what the tests beside printed
 WITH_NODES = ("rostest", "integration")
-WITHOUT_SYSTEM = (  # of those, what hardly computes
-    "rostest/nodes",
-    "rostest/kinova/driver_contract.test",
+HEARING = (  # one after the other; no two of these at once
+    "integration/test_install_space.py",
+    "integration/test_paper.py",
+    "integration/test_session_replay.py",
+    "integration/test_tutorial.py",
+    "integration/test_two_namespaces.py",
+    "integration/test_voice_node.py",
+    "rostest/voice",
+    # Hear nothing; here they even out the two
     "integration/test_interrupt.py",
     "integration/test_microphone_pulse.py",
-    "integration/test_other_workspace.py",
     "integration/test_recorder_node.py",
-    "integration/test_session_replay.py",
-    "integration/test_voice_node.py",
+    "rostest/nodes",
 )
 ALONE = (
     "integration/test_end_to_end.py",  # the demo: all nodes, a browser and two pictures
     "integration/test_language.py",  # Whisper base, where `make languages` fetched it
 )
-FIRST = (  # files of systems of more than a minute: begun last, one would run alone at the end
-    "rostest/controller/controller.test",
-    "integration/test_install_space.py",  # hears as it is shipped, so beside one that hears nothing
-    "integration/test_clock_jumps.py",
-    "integration/test_tutorial.py",
-    "rostest/voice/whole_system.test",
-    "rostest/simulator/simulator.test",
-    "rostest/kinova/kinova_session.test",
-)
 WITHOUT = ("state_search", "simulation", "property", "docs", "traps", "unit", "launch")
 CORES = len(os.sched_getaffinity(0))
-SYSTEMS = 2  # that run at once; each takes less than a core
 SPREAD = ("--dist", "loadfile", "--no-loadscope-reorder")  # what a file's tests share is made once
 NICE = 19  # of the tests without nodes
 SLOWEST = 20
@@ -70,8 +63,8 @@ def main(arguments: Sequence[str]) -> int:
     beside = {"others": _start("others", WITHOUT, CORES, _give_way)}
     try:
         codes = [subprocess.call(_command("demo", ALONE, 1))]
-        beside["nodes"] = _start("nodes", WITHOUT_SYSTEM, 1, os.setsid)
-        codes += [subprocess.call(_command("systems", systems(), SYSTEMS))]
+        beside["hearing"] = _start("hearing", HEARING, 1, os.setsid)
+        codes += [subprocess.call(_command("systems", deaf_systems(), 1))]
         codes += [process.wait() for process in beside.values()]
     finally:
         for name, process in beside.items():
@@ -82,14 +75,13 @@ def main(arguments: Sequence[str]) -> int:
     return _conclude(["demo", "systems", *beside], codes)
 
 
-def systems() -> list[str]:
-    """Files of tests of whole systems, in the order in which they begin."""
+def deaf_systems() -> list[str]:
+    """Files of tests with nodes that are not named above."""
     folder = ROOT / "tests"
     found = [p for top in WITH_NODES for kind in KINDS for p in (folder / top).rglob(kind)]
     places = sorted(path.relative_to(folder).as_posix() for path in found)
-    apart = {*FIRST, *ALONE, *WITHOUT_SYSTEM}
-    others = [p for p in places if not {p, *map(str, PurePosixPath(p).parents)} & apart]
-    return [*FIRST, *others]
+    apart = {*ALONE, *HEARING}
+    return [p for p in places if not {p, *map(str, PurePosixPath(p).parents)} & apart]
 
 
 def _log(name: str) -> Path:

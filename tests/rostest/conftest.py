@@ -4,15 +4,19 @@
 The system, on a master of its own, is started before the first of them and ends after the last.
 """
 
+import os
 import re
+import signal
 import subprocess
 import sys
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
+from support.process_groups import start_group
 from support.waiting import PATIENCE
 from tests.support.ros_host import Host
 
@@ -58,23 +62,24 @@ class RosTest(pytest.Item):
         words = [sys.executable, str(self.script), "--text", f"__name:={self.name}"]
         if self.parent.system.poll() is not None:
             self.fail("the system ended before this test")
-        try:
-            done = subprocess.run(
-                words,
-                env=self.parent.host.environment,
-                stdout=subprocess.PIPE,
-                stderr=subprocess.STDOUT,
-                text=True,
-                timeout=self.limit,
-            )
-        except subprocess.TimeoutExpired as late:
-            said = (late.output or b"").decode(errors="replace")
-            self.fail(f"{said[-SHOWN:]}\nno end within {self.limit:g} s")
-        if skipped := SKIPPED.search(done.stdout):
+        with tempfile.TemporaryFile("w+", errors="replace") as printed:
+            streams = {"stdout": printed, "stderr": subprocess.STDOUT}
+            script = start_group(words, env=self.parent.host.environment, **streams)
+            try:
+                status = script.wait(self.limit)
+            except subprocess.TimeoutExpired:
+                status = f"no end within {self.limit:g} s"
+            finally:
+                with suppress(ProcessLookupError):  # it, or what it left behind
+                    os.killpg(script.pid, signal.SIGKILL)
+                script.wait()
+            printed.seek(0)
+            said = printed.read()
+        if skipped := SKIPPED.search(said):
             pytest.skip(skipped[1])
-        ran = RAN.search(done.stdout)
-        if done.returncode or not (ran and int(ran[1])):
-            self.fail(done.stdout[-SHOWN:])
+        ran = RAN.search(said)
+        if status or not (ran and int(ran[1])):
+            self.fail(f"{said[-SHOWN:]}\nended with: {status}")
 
     def fail(self, words):
         raise RosTestError(f"{words}\n--- the system said:\n{self.parent.host.said()[-SHOWN:]}")

@@ -6,9 +6,11 @@ then each connection says that it is of the first publisher. It plays them again
 """
 
 import pickle
+import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from contextlib import contextmanager
 from io import BytesIO
@@ -80,17 +82,21 @@ def main():
             }
 
         TCPROSPub.get_header_fields = claiming
-    rospy.init_node(NAME[1:])
+    # rospy's own handler waits for the lock of a connection, which this thread may hold
+    rospy.init_node(NAME[1:], disable_signals=True)
+    is_over = threading.Event()
+    signal.signal(signal.SIGTERM, lambda *_: is_over.set())
     topics = {}
     for topic, kind, md5sum, _, _ in messages:
         facts = {"_type": kind, "_md5sum": md5sum, "_full_text": "", "_has_header": False}
         if topic not in topics:
             message = type("Played", (RawMessage,), facts)
             topics[topic] = rospy.Publisher(topic, message, queue_size=100)
-    while not rospy.is_shutdown():
+    while not is_over.is_set():
         for topic, _, _, _, data in messages:
             topics[topic].publish(topics[topic].data_class(data))
             time.sleep(PAUSE)
+    rospy.signal_shutdown("ended")
 
 
 if __name__ == "__main__":

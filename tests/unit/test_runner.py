@@ -13,21 +13,20 @@ def test_every_folder_of_tests_is_run():
     assert folders == {*runner.WITH_NODES, *runner.WITHOUT}
 
 
-def test_what_runs_apart_from_whole_systems_is_there_and_has_nodes():
-    for place in (*runner.ALONE, *runner.WITHOUT_SYSTEM, *runner.FIRST):
+def test_what_is_named_is_there_and_has_nodes():
+    for place in (*runner.ALONE, *runner.HEARING):
         assert (runner.ROOT / "tests" / place).exists(), place
         assert place.partition("/")[0] in runner.WITH_NODES
 
 
 def test_every_file_with_nodes_runs_once():
     folder = runner.ROOT / "tests"
-    apart = [folder / place for place in (*runner.ALONE, *runner.WITHOUT_SYSTEM)]
-    named = [folder / place for place in runner.systems()] + apart
+    apart = [folder / place for place in (*runner.ALONE, *runner.HEARING)]
+    named = [folder / place for place in runner.deaf_systems()] + apart
     for top in runner.WITH_NODES:
         for kind in runner.KINDS:
             for path in (folder / top).rglob(kind):
                 assert sum(path.is_relative_to(place) for place in named) == 1, path
-    assert runner.systems()[: len(runner.FIRST)] == list(runner.FIRST)
 
 
 class Ended:
