@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`make test`: all tests; `--fast`, for `make check`: those that need no node and little time.
 
-The demo and Whisper base come first, and no other system beside them: they take both cores. Then
-two systems run at once, and no more, since each takes a core: one that hears, beside one that does
-not. The tests without nodes, and those that only read launch files or wait for no time, run on
-every core beside them, at a lower priority. With other arguments: one pytest with them.
+Systems that hear come first, one at a time: recognition that waits for a core counts as one that
+hangs. Then two systems run at once, and no more, since each takes a core. The tests without nodes,
+and those that only read launch files or wait for no time, run on every core beside them, at a lower
+priority. With other arguments: one pytest with them.
 """
 
 from __future__ import annotations
@@ -14,14 +14,17 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
 ROOT = Path(__file__).resolve().parents[1]
-RESULTS = ROOT / ".cache" / "tests"  # files of JUnit's form, and what the tests beside printed
+RESULTS = ROOT / ".cache" / "tests"  # files of JUnit's form
+BESIDE = RESULTS / "others.log"  # what the tests beside printed
 WITH_NODES = ("rostest", "integration")
-HEARING = (  # one after the other; no two of these at once
+HEARING = (
+    "integration/test_end_to_end.py",  # the demo: all nodes, a browser and two pictures
+    "integration/test_language.py",  # Whisper base, where `make languages` fetched it
     "integration/test_install_space.py",
     "integration/test_paper.py",
     "integration/test_session_replay.py",
@@ -29,18 +32,10 @@ HEARING = (  # one after the other; no two of these at once
     "integration/test_two_namespaces.py",
     "integration/test_voice_node.py",
     "rostest/voice",
-    # Hear nothing; here they even out the two
-    "integration/test_interrupt.py",
-    "integration/test_microphone_pulse.py",
-    "integration/test_recorder_node.py",
-    "rostest/nodes",
-)
-ALONE = (
-    "integration/test_end_to_end.py",  # the demo: all nodes, a browser and two pictures
-    "integration/test_language.py",  # Whisper base, where `make languages` fetched it
 )
 WITHOUT = ("state_search", "simulation", "property", "docs", "traps", "unit", "launch")
 CORES = len(os.sched_getaffinity(0))
+SYSTEMS = 2  # that run at once
 SPREAD = ("--dist", "loadfile", "--no-loadscope-reorder")  # what a file's tests share is made once
 NICE = 19  # of the tests without nodes
 SLOWEST = 20
@@ -60,44 +55,35 @@ def main(arguments: Sequence[str]) -> int:
         return subprocess.call(_pytest(*_places(arguments), *arguments))
     _compile_kernels()
     print("Whole systems first; the others run beside them and are shown last.", flush=True)
-    beside = {"others": _start("others", WITHOUT, CORES, _give_way)}
+    others = _start_beside()
     try:
-        codes = [subprocess.call(_command("demo", ALONE, 1))]
-        beside["hearing"] = _start("hearing", HEARING, 1, os.setsid)
-        codes += [subprocess.call(_command("systems", deaf_systems(), 1))]
-        codes += [process.wait() for process in beside.values()]
+        codes = [subprocess.call(_command("hearing", HEARING, 1))]
+        codes += [subprocess.call(_command("systems", deaf_systems(), SYSTEMS))]
+        codes += [others.wait()]
     finally:
-        for name, process in beside.items():
-            if process.poll() is None:
-                os.killpg(process.pid, signal.SIGINT)  # as Ctrl-C, so that its nodes are ended
-                process.wait()
-            print(_log(name).read_text(encoding="utf-8", errors="replace"), flush=True)
-    return _conclude(["demo", "systems", *beside], codes)
+        if others.poll() is None:
+            os.killpg(others.pid, signal.SIGINT)  # as Ctrl-C, so that its nodes are ended
+            others.wait()
+        print(BESIDE.read_text(encoding="utf-8", errors="replace"), flush=True)
+    return _conclude(["hearing", "systems", "others"], codes)
 
 
 def deaf_systems() -> list[str]:
-    """Files of tests with nodes that are not named above."""
+    """Files of tests with nodes, without those that hear."""
     folder = ROOT / "tests"
     found = [p for top in WITH_NODES for kind in KINDS for p in (folder / top).rglob(kind)]
     places = sorted(path.relative_to(folder).as_posix() for path in found)
-    apart = {*ALONE, *HEARING}
-    return [p for p in places if not {p, *map(str, PurePosixPath(p).parents)} & apart]
+    return [p for p in places if not {p, *map(str, PurePosixPath(p).parents)} & {*HEARING}]
 
 
-def _log(name: str) -> Path:
-    return RESULTS / f"{name}.log"
-
-
-def _start(
-    name: str, places: Sequence[str], workers: int, before: Callable[[], None]
-) -> subprocess.Popen[bytes]:
-    """Begin a run whose output goes to a file; `before` is called in its process."""
-    with _log(name).open("wb") as file:
+def _start_beside() -> subprocess.Popen[bytes]:
+    """Begin the tests without nodes, whose output goes to a file."""
+    with BESIDE.open("wb") as file:
         return subprocess.Popen(
-            _command(name, places, workers),
+            _command("others", WITHOUT, CORES),
             stdout=file,
             stderr=subprocess.STDOUT,
-            preexec_fn=before,
+            preexec_fn=_give_way,
         )
 
 

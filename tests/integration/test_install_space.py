@@ -139,8 +139,9 @@ def test_the_system_takes_a_command_without_its_sources(run, system, home):
         return "hey robot: ready" in log.read_text(encoding="utf-8")
 
     wait_until(is_active, "an active robot", PATIENCE, every=0.5)
-    answer = run("rosservice", "call", "/rst_control/command", "command: 'tense'")
-    assert "accepted: True" in answer, answer + log.read_text()
+    call = ("rosservice", "call", "/rst_control/command", "command: 'tense'")
+    # On a slow machine a halt may come first; the next "hey robot" clears it
+    wait_until(lambda: "accepted: True" in run(*call), "a command taken", PATIENCE, every=0.5)
     os.kill(process.pid, signal.SIGINT)
     assert process.wait(PATIENCE) == 0
     shown = log.read_text(encoding="utf-8")

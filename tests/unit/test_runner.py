@@ -14,15 +14,14 @@ def test_every_folder_of_tests_is_run():
 
 
 def test_what_is_named_is_there_and_has_nodes():
-    for place in (*runner.ALONE, *runner.HEARING):
+    for place in runner.HEARING:
         assert (runner.ROOT / "tests" / place).exists(), place
         assert place.partition("/")[0] in runner.WITH_NODES
 
 
 def test_every_file_with_nodes_runs_once():
     folder = runner.ROOT / "tests"
-    apart = [folder / place for place in (*runner.ALONE, *runner.HEARING)]
-    named = [folder / place for place in runner.deaf_systems()] + apart
+    named = [folder / place for place in (*runner.HEARING, *runner.deaf_systems())]
     for top in runner.WITH_NODES:
         for kind in runner.KINDS:
             for path in (folder / top).rglob(kind):
@@ -39,8 +38,8 @@ class Ended:
 @pytest.mark.parametrize(("nodes", "others", "status"), [(0, 0, 0), (1, 0, 1), (0, 2, 1)])
 def test_it_fails_when_either_run_fails(monkeypatch, tmp_path, capsys, nodes, others, status):
     monkeypatch.setattr(runner, "RESULTS", tmp_path)
-    given = iter((0, others))  # to the tests with nodes, and to those without
-    monkeypatch.setattr(runner.subprocess, "Popen", lambda *_, **__: Ended(next(given)))
+    monkeypatch.setattr(runner, "BESIDE", tmp_path / "others.log")
+    monkeypatch.setattr(runner.subprocess, "Popen", lambda *_, **__: Ended(others))
     monkeypatch.setattr(runner.subprocess, "call", lambda *_, **__: nodes)
     assert runner.main([]) == status
     assert capsys.readouterr().out.endswith("\n0 passed, 0 failed, 0 skipped\n")
