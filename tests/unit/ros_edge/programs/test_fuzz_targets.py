@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tests.fuzz.targets import TARGETS
 
-CRASHERS = sorted((Path(__file__).resolve().parents[2] / "data" / "crashers").glob("*/*"))
+CRASHERS = sorted((Path(__file__).resolve().parents[3] / "data" / "crashers").glob("*/*"))
 
 
 @pytest.mark.parametrize("name", TARGETS)
