@@ -21,6 +21,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, fields, replace
 from functools import cache
 from pathlib import Path
+from textwrap import shorten
 from typing import Any, Final
 
 import numpy as np
@@ -42,6 +43,7 @@ SECONDS: Final = float(os.environ.get("BENCH_PLANT_SECONDS", "3600"))  # in each
 PIECE: Final = 60.0  # [s] of one piece: each begins anew, with noise of its own
 Job = tuple[int, str, str]  # number of the piece, way of leading, plant
 HOUR: Final = 3600.0  # [s]
+NOTE_LENGTH: Final = 160  # characters for the reasons of stops
 AS_IT_IS: Final = "nothing made up for"
 ALL_PLANTS: Final = (
     "ideal",
@@ -160,9 +162,8 @@ def figures_of(name: str, pieces: Sequence[Seen], is_fixed: bool) -> list[Figure
     hours = seen.seconds / HOUR
     reasons = sorted(set(seen.needless))
     note = f"({seen.seconds:.0f} s simulated"
-    words = (
-        f"{note}, {len(seen.needless)} stops{': ' if reasons else ''}{'; '.join(reasons)[:160]})"
-    )
+    listed = shorten("; ".join(reasons), NOTE_LENGTH, placeholder=" ...")
+    words = f"{note}, {len(seen.needless)} stops{': ' if listed else ''}{listed})"
     stops = 0.0 if seen.seconds >= HOUR else None  # less shows nothing of an hour
     off = np.abs(seen.tension) if seen.tension else np.array([np.nan])
     rows = [
