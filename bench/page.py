@@ -80,7 +80,7 @@ def load(part: Part, folder: Path = RESULTS) -> Result | None:
 
 
 def _decided_now(part: Part) -> str | None:
-    """Key of what the present code decides on fixed clips; None where nobody has looked."""
+    """Key of what the present code decides on fixed clips; None where it is not noted."""
     noted = json.loads(DECISIONS.read_text(encoding="utf-8")) if DECISIONS.is_file() else {}
     is_present = noted.get("code") == identity(part.rooms)
     return noted.get(part.decides) if is_present else None

@@ -132,9 +132,9 @@ def spoken(
     )
 
 
-def count(ear: PipelineProbe, said: Sequence[EnrolledSpeech], phrases: Sequence[str]) -> Counts:
+def count(probe: PipelineProbe, said: Sequence[EnrolledSpeech], phrases: Sequence[str]) -> Counts:
     """Hear all of it."""
-    taken = [(set(ear(one.samples).taken), one.text) for one in said]
+    taken = [(set(probe(one.samples).taken), one.text) for one in said]
     right = sum(found == {text} for found, text in taken)
     another = sum(bool(found - ({text} & set(phrases))) for found, text in taken)
     return Counts(len(said), right, another)
@@ -155,8 +155,8 @@ def _measure(surgeon: Surgeon, stranger: Surgeon, repetitions: int) -> Enrolment
     learned = learn.learn(
         shared.base, spoken(takes, recorded.talk), shared.others, shared.config.adapt
     )
-    ear = PipelineProbe(shared.voice, PersonalRecognizer(shared.base, learned.state))
-    found = _heard(ear, surgeon, recorded, material(stranger).tested, phrases)
+    probe = PipelineProbe(shared.voice, PersonalRecognizer(shared.base, learned.state))
+    found = _heard(probe, surgeon, recorded, material(stranger).tested, phrases)
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
     return replace(
         found, repetitions=repetitions, refused=refused, seconds=learned.seconds, memory=memory
@@ -164,21 +164,21 @@ def _measure(surgeon: Surgeon, stranger: Surgeon, repetitions: int) -> Enrolment
 
 
 def _heard(
-    ear: PipelineProbe,
+    probe: PipelineProbe,
     surgeon: Surgeon,
     recorded: Recorded,
     stranger: Sequence[EnrolledSpeech],
     phrases: Sequence[str],
 ) -> EnrolmentPiece:
     half, one_each = len(recorded.other) // 2, len(phrases)  # talk first, then near misses
-    first = count(ear, recorded.tested[:one_each], phrases)
+    first = count(probe, recorded.tested[:one_each], phrases)
     return EnrolmentPiece(
         surgeon=str(surgeon),
         repetitions=0,
-        tested=_sum(first, count(ear, recorded.tested[one_each:], phrases)),
-        talk=count(ear, recorded.other[:half][:_OTHER], phrases),
-        near=count(ear, recorded.other[half:][:_OTHER], phrases),
-        stranger=count(ear, stranger[:one_each], phrases) if stranger else first,
+        tested=_sum(first, count(probe, recorded.tested[one_each:], phrases)),
+        talk=count(probe, recorded.other[:half][:_OTHER], phrases),
+        near=count(probe, recorded.other[half:][:_OTHER], phrases),
+        stranger=count(probe, stranger[:one_each], phrases) if stranger else first,
     )
 
 

@@ -124,7 +124,7 @@ class KinovaRig(LockStep):
         self.arm_names, self._tool_names = arm.joints, tool.joints
         self._steps, self._is_sending = 0, False
         self._feedback = round(1.0 / (feedback_rate * STEP))  # steps between two states of the arm
-        self._told_course: LastCourse | None = None  # with the last beat of the bridge
+        self._reported_course: LastCourse | None = None  # with the last beat of the bridge
         self.guard = StopGuard(kinova.bridge)
         self.lost: Loss | None = None  # what fails from now on
         context = ActiveTrocarContext(TrocarContext(motion, load_robot()))
@@ -193,9 +193,9 @@ class KinovaRig(LockStep):
 
     def _beat(self, now: float) -> None:
         """One beat for the guard, with each velocity and every 20 ms, as the bridge's node."""
-        if self.bridge.last_course is not self._told_course or self._steps % 20 == 0:
-            self._told_course = self.bridge.last_course
-            self.guard.heard(now, self._told_course)
+        if self.bridge.last_course is not self._reported_course or self._steps % 20 == 0:
+            self._reported_course = self.bridge.last_course
+            self.guard.heard(now, self._reported_course)
 
     def _guarded(self, now: float) -> None:
         """One round of the guard."""

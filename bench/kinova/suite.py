@@ -26,7 +26,7 @@ AnyRig = Rig | KinovaRig
 STRICT = "kinova_strict, velocities"
 PROCESSES = 3
 STOPS, LOSSES = 6, 3  # of each kind
-LOOKS = 5  # steps of the physics between two looks at shaft and tension
+SAMPLE_EVERY = 5  # steps of the physics between two samples of shaft and tension
 REST = 2e-3  # [rad/s] joints slower than this are at rest
 SETS_OFF = 2e-3  # [rad/s] of any joint: the motion has begun
 TARGETS = {"tense": 1.0, "pull more": 1.25, "pull less": 1.0}  # [N]
@@ -139,7 +139,7 @@ def carry_out(rig: AnyRig, words: str) -> Carried:
     def each() -> None:
         if np.isnan(begins[0]) and np.abs(rig.robot.reading.velocity).max() > SETS_OFF:
             begins[0] = rig.robot.now - begun
-        if next(steps) % LOOKS == 0:
+        if next(steps) % SAMPLE_EVERY == 0:
             errors.append(rig.rcm_error)
             tensions.append(float(np.linalg.norm(rig.robot.force)))
 
@@ -213,7 +213,7 @@ def _watch(rig: AnyRig, act: Callable[[], None]) -> Ended:
     steps = itertools.count()
 
     def each() -> None:
-        if next(steps) % LOOKS == 0:
+        if next(steps) % SAMPLE_EVERY == 0:
             errors.append(rig.rcm_error)
         if np.abs(rig.robot.reading.velocity[:7]).max() > REST:
             rests[0] = rig.robot.now - began

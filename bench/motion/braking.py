@@ -93,12 +93,12 @@ def _stop(rig: Rig, phase: Phase) -> BrakedStop:
     speed = float(np.linalg.norm(rig.tip - before)) / rig.period
     received, start, still = rig.robot.now, rig.tip, [rig.robot.now]
 
-    def look() -> None:
+    def observe() -> None:
         rcm.append(rig.rcm_error)
         if np.abs(rig.robot.reading.velocity).max() > REST:
             still[0] = rig.robot.now
 
     rig.executor.stop(Cause(Reason.STOP_TOPIC, "bench"))
     while rig.robot.now < received + 1.5 and (rig.is_moving or rig.robot.now < still[0] + 0.02):
-        rig.tick(look)
+        rig.tick(observe)
     return BrakedStop(speed, still[0] - received, float(np.linalg.norm(rig.tip - start)), max(rcm))

@@ -74,8 +74,8 @@ def _ways(rig: Rig, legs: int, speed: float) -> Iterator[tuple[Path, MotionBound
         yield path, MotionBounds(top, acceleration, settings.jerk)
 
 
-def _follow(rig: Rig, path: Path, bounds: MotionBounds, look: Callable[[], None]) -> float:
-    """Lead the robot along a path, looking after each step of the physics; returns top speed."""
+def _follow(rig: Rig, path: Path, bounds: MotionBounds, observe: Callable[[], None]) -> float:
+    """Lead the robot along a path, observed after each step of the physics; returns top speed."""
     profile, still, top = MotionProfile(PathState(0.0), bounds), REST, 0.0
     profile.go_to(path.length)
     while still > 0.0:
@@ -84,6 +84,6 @@ def _follow(rig: Rig, path: Path, bounds: MotionBounds, look: Callable[[], None]
         point = path.evaluate(state.s)
         joints, velocity = robot_joints(point.q, 0.0), robot_joints(point.dq * state.speed, 0.0)
         rig.robot.servo_jp(Setpoint(joints, velocity, rig.robot.now))
-        rig.robot.advance(rig.robot.now + rig.period, look)
+        rig.robot.advance(rig.robot.now + rig.period, observe)
         still -= rig.period if profile.is_done else 0.0
     return top

@@ -33,8 +33,8 @@ from support.figures import Figure
 
 Array = NDArray[np.float64]
 NOW = 100.0  # [s]
-LOOKS = 100  # places of each phase that PyBullet is asked about
-RATE = 10_000.0  # [Hz] of the samples of the way through the trocar, each looked at once
+SAMPLES = 100  # places of each phase that PyBullet is asked about
+RATE = 10_000.0  # [Hz] of the samples of the way through the trocar, each checked once
 RCM_WORST = 1e-6  # [m] of a planned path
 FLOAT_NOISE = 1e-6  # [m] of PyBullet's poses, which have single precision
 ROUNDING = 1e-3  # share by which finite differences may exceed a limit
@@ -63,14 +63,14 @@ def measure(config: MotionConfig, simulation: SimulationConfig, count: int) -> l
                 refusals[decision.reason.value] += 1
                 continue
             plans.append(decision)
-            objections[judge.objection(q, decision.plan.phases, LOOKS)] += 1
+            objections[judge.objection(q, decision.plan.phases, SAMPLES)] += 1
         worst = judge.worst_inside(plans[0].plan.phases, RATE) if plans else float("nan")
     starts = outside_starts(planner, min(EXECUTED, count), seed=8)
     seen = [carry_out(config, simulation, q) for q in starts]
     bad = sum(n for words, n in objections.items() if words)
     words = ", ".join(f"{n} {reason}" for reason, n in refusals.items()) or "none"
     note = f"({count} random starts; refused: {words})"
-    by = f"(PyBullet's kinematics, {LOOKS} places of each phase)"
+    by = f"(PyBullet's kinematics, {SAMPLES} places of each phase)"
     slow = "(PyBullet's kinematics at 10 kHz, of the way in, which all starts share)"
     ran = f"(1 kHz, {len(seen)} starts: insert, tense, release, withdraw)"
     failed = [run.failure for run in seen if run.failure]
@@ -119,7 +119,7 @@ def situation(q: Array, **more: bool) -> Situation:
 
 
 class InsertionJudge:
-    """Looks at plans through PyBullet.
+    """Judges plans by PyBullet's kinematics.
 
     Args:
         planner: Its limits are what plans have to keep.
@@ -132,7 +132,7 @@ class InsertionJudge:
         self._min_insertion = planner.config.rcm.insertion[0]
         self._approved: set[Path] = set()  # the way in is the same for every approach
 
-    def objection(self, q: Array, phases: tuple[Phase, ...], looks: int) -> str:
+    def objection(self, q: Array, phases: tuple[Phase, ...], samples: int) -> str:
         """What is wrong with a plan from q (9,) [rad]; empty: nothing."""
         for phase in phases:
             if phase.path is None:
@@ -145,9 +145,9 @@ class InsertionJudge:
                 continue
             if words := self._limits(phase):
                 return f"{name}: {words}"
-            for s in np.linspace(0.0, phase.path.length, looks):
+            for s in np.linspace(0.0, phase.path.length, samples):
                 place = phase.path.evaluate(s).q
-                sight = self._witness.look(place)
+                sight = self._witness.observe(place)
                 if words := self._place(phase.kind, place, sight):
                     return f"{name} at {s * 1e3:.1f} mm: {words}"
             self._approved.add(phase.path)
@@ -161,7 +161,7 @@ class InsertionJudge:
                 continue
             profile = self._profile(phase)
             for _ in range(int(profile.remaining * rate) + 1):
-                sight = self._witness.look(phase.path.evaluate(profile.step(1.0 / rate).s).q)
+                sight = self._witness.observe(phase.path.evaluate(profile.step(1.0 / rate).s).q)
                 if sight.tip >= 0.0:
                     worst = max(worst, sight.error)
         return worst
@@ -204,7 +204,7 @@ class InsertionJudge:
 
 
 class InsertionRun:
-    """One session in PyBullet, looked at after every step of the physics.
+    """One session in PyBullet, checked after every step of the physics.
 
     Args:
         rig: At the start.
@@ -225,12 +225,12 @@ class InsertionRun:
             self.failure = f'"{words}" refused: {pending.reply.result(0).message}'
             return
         while not pending.ended.done():
-            self._rig.tick(self._look)
+            self._rig.tick(self._check)
             self.phases.add(self._rig.executor.snapshot.phase)
         if pending.ended.result(0).kind != "succeeded":
             self.failure = f'"{words}": {pending.ended.result(0).message}'
 
-    def _look(self) -> None:
+    def _check(self) -> None:
         tip, trocar = self._rig.robot.tip, self._rig.planner.trocar
         if (tip - trocar) @ self._rig.planner.patient.outward > 0.0:
             return  # the tip is outside the patient

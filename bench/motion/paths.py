@@ -31,10 +31,10 @@ BLOCK = 50  # samples of each path, in places drawn at random, that PyBullet and
 
 
 def measure(config: MotionConfig, count: int) -> list[Figure]:
-    """Plan random paths and look at the shaft everywhere on them.
+    """Plan random paths and measure the RCM error everywhere on them.
 
     All 10 kHz samples are taken by the compiled kinematics, since the oracles are a hundred times
-    slower; the oracles look at the worst sample and at a random part of every path.
+    slower. The oracles check the worst sample and a random part of every path.
 
     Args:
         config: Settings of planning.
@@ -128,11 +128,11 @@ def _figures(
     figures = [
         Figure("planned RCM error max, all samples", worst["compiled"] * 1e6, "um", 1.0, note=note)
     ]
-    looked = f"({BLOCK + 1} samples of each path: its worst and {BLOCK} at random)"
+    note = f"({BLOCK + 1} samples of each path: its worst and {BLOCK} at random)"
     for name, difference in differences.items():
         floor = "(PyBullet gives poses in single precision)" if name == "PyBullet" else ""
         figures += [
-            Figure(f"planned RCM error max by {name}", worst[name] * 1e6, "um", 1.0, note=looked),
+            Figure(f"planned RCM error max by {name}", worst[name] * 1e6, "um", 1.0, note=note),
             Figure(f"{name} away from ours, max", difference * 1e6, "um", note=floor),
         ]
     return figures

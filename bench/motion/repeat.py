@@ -61,7 +61,7 @@ def run(config: MotionConfig, simulation: SimulationConfig) -> LockStepRun:
     digest = hashlib.sha256()
     with Rig(config, simulation) as rig:
 
-        def look() -> None:
+        def observe() -> None:
             digest.update(rig.robot.reading.position.tobytes())
 
         rig.wake()
@@ -69,7 +69,7 @@ def run(config: MotionConfig, simulation: SimulationConfig) -> LockStepRun:
         for words in SESSION:
             pending = rig.give(words)
             while not pending.ended.done():
-                rig.tick(look)
+                rig.tick(observe)
             if pending.ended.result(0).kind != "succeeded":
                 raise RuntimeError(f'"{words}" {pending.ended.result(0)}')
             digest.update(rig.robot.force.tobytes())

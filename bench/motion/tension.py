@@ -216,17 +216,17 @@ def _pull(rig: Rig, words: str, target: float, step: float) -> TensionChange:
         rig.until(lambda: rig.executor.snapshot.phase == PhaseKind.PULL.value)
         began = rig.robot.now
 
-    def look() -> None:
+    def observe() -> None:
         force = float(np.linalg.norm(rig.robot.force))
         seen.append((rig.robot.now - began, force, rig.executor.snapshot.path_position))
 
     while not pending.ended.done():
-        rig.tick(look)
+        rig.tick(observe)
     if (outcome := pending.ended.result(0)).kind != "succeeded":
         raise RuntimeError(f'"{words}" {outcome.kind}: {outcome.message}')
     done = len(seen)
     for _ in range(round(HOLD / rig.period)):
-        rig.tick(look)
+        rig.tick(observe)
     speed = rig.config.controller.speed.pull_speed
     return _judge(np.array(seen), done, start, target, speed)
 

@@ -137,7 +137,8 @@ class HeldTissue(LockStep):
         self.robot = SpringRobot(joints, active.tip, tissue, sensor)
         self.executor = make_executor(config, active, self.robot.clear_fault)
         self.queue = CommandQueue(self.executor, active.verify, lambda: self.robot.now)
-        self.peak, self.distrust = 0.0, ""  # [N] true tension, and why its reading was not believed
+        self.peak = 0.0  # [N] true tension
+        self.invalid_reason = ""  # why its reading was not believed
 
     def tick(self, each: Callable[[], None] = do_nothing) -> None:
         """One period of the control loop."""
@@ -148,7 +149,8 @@ class HeldTissue(LockStep):
             self.robot.servo_jp(setpoint)
         self.peak = max(self.peak, self.robot.tension)
         measured = self.executor.snapshot.measurement
-        self.distrust = self.distrust or (measured.tension_invalid_reason if measured else "")
+        if measured is not None and not self.invalid_reason:
+            self.invalid_reason = measured.tension_invalid_reason
         each()
 
 

@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 Link = TypeVar("Link")
 AnyRig = Rig | KinovaRig
 CYCLE: Final = (("tense", 1.0), ("pull more", 1.25), ("pull less", 1.0), ("release", None))
-LOOKS: Final = 10  # steps of the physics between two looks
+SAMPLE_EVERY: Final = 10  # steps of the physics between two samples
 SETTLED: Final = 0.3  # [s] after a command, in which the tension is still measured
 TRACKER_PERIOD: Final = 0.02  # [s] between two reports
 TRACKER_DELAY: Final = 0.02  # [s] by which they come late
@@ -52,7 +52,7 @@ class Seen:
 
 
 class Session:
-    """Gives commands for a while and looks at what comes of them.
+    """Gives commands for a while and measures what comes of them.
 
     Args:
         rig: Controller and robot.
@@ -67,7 +67,7 @@ class Session:
         self._play = _link_of(PlayCompensation, rig.link)
         self._correction = _link_of(JointCorrection, rig.link)
         self._delay = rig.config.controller.tension.delay
-        self._home, self._is_looking = np.array(rig.config.scene.trocar), False
+        self._home, self._is_measuring = np.array(rig.config.scene.trocar), False
         self._reports: list[Report] = []
         self._reported = -np.inf
 
@@ -78,7 +78,7 @@ class Session:
         if self._has_tool and isinstance(rig, KinovaRig):
             self._homed(rig)
         self._wake()
-        begun, self._is_looking = rig.robot.now, True
+        begun, self._is_measuring = rig.robot.now, True
         for number in itertools.count(1):
             for words, target in CYCLE:
                 self._carry_out(words, target)
@@ -175,7 +175,7 @@ class Session:
             self._late.deliver()
         if self._following is not None:
             self._track(self._following)
-        if self._is_looking and next(self._steps) % LOOKS == 0:
+        if self._is_measuring and next(self._steps) % SAMPLE_EVERY == 0:
             q, _ = planning_joints(robot.true.position)
             self.seen.rcm.append(
                 rcm_state(Configuration(self._rig.planner.model, q), self._trocar()).error

@@ -2,7 +2,7 @@
 """What is lost at 20 mm/s from anywhere in the workspace: does the shaft keep the trocar?
 
 Between random poses the bridge is led by set-points as the controller sends them. Then something
-fails. The shaft is looked at until the arm rests. Afterwards the controller has to take "hey robot"
+fails. The shaft is measured until the arm rests. Afterwards the controller has to take "hey robot"
 and "tense" without a hand on the arm.
 
 Pieces of the work are kept (bench/common/resumable.py). JOBS are the processes, and MINUTES after

@@ -2,8 +2,8 @@
 """Tension of the tissue whatever its sensor does: drawn faults, commands and tissue.
 
 Each site states the stiffest tissue that it has, and the statement is true. A sensor that reads
-too little by a factor, if for one pull only, cannot be told from softer tissue. There the site
-leaves its gain unchecked, and the pull is bounded by distance; what scaled sensors come to
+too little by a factor, if for one pull only, cannot be distinguished from softer tissue. There the
+site leaves its gain unchecked, and the pull is bounded by distance; what scaled sensors come to
 otherwise stands beside.
 
 Pieces of the work are kept (bench/common/resumable.py). JOBS are the processes, and MINUTES after
@@ -91,7 +91,7 @@ class TensionPeak:
     peak: float  # [N] true
     given: int  # commands
     accepted: int
-    distrust: str  # why the tension was not believed at any time; empty: it was
+    invalid_reason: str  # why the tension was not believed at any time; empty: it was
     rate: float  # [Hz] of the controller's loop
 
 
@@ -147,7 +147,7 @@ def carry_out(situation: TensionSituation, rate: float = RATE) -> TensionPeak:
             rig.peak,
             len(steps),
             accepted,
-            rig.distrust,
+            rig.invalid_reason,
             rate,
         )
 
@@ -264,7 +264,7 @@ def _good(found: Sequence[TensionPeak], limit: float) -> list[Figure]:
     for is_usual in (True, False):
         peaks = [p for p in found if _is_usual(draw_situation(p.number)) == is_usual]
         which = "as stiff as stated, to a fifth of it" if is_usual else "softer, or slack"
-        wrong = 100.0 * sum(bool(p.distrust) for p in peaks) / len(peaks)
+        wrong = 100.0 * sum(bool(p.invalid_reason) for p in peaks) / len(peaks)
         target, note = (0.0 if is_usual else None), f"({len(peaks)} situations)"
         figures.append(
             Figure(f"{name}, tissue {which}: not believed", wrong, "%", target, note=note)

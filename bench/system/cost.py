@@ -20,7 +20,7 @@ import rospy
 from bench.common.resumable import measured
 from bench.system.processes import Usage, between, usage
 from bench.system.talking_system import Observer, own_master, talking, work
-from bench.system.viewers import looked_at
+from bench.system.viewers import with_viewers
 from support.figures import Figure
 from support.launched_system import System
 from support.waiting import wait_until
@@ -54,7 +54,7 @@ def measure(seconds: float = SECONDS) -> list[Figure]:
 
     def shown(system: System, observer: Observer) -> None:
         page = str(wait_until(lambda: rospy.get_param("/display/page", ""), "the page"))
-        asyncio.run(looked_at(page, 1, lambda: move(system, observer)))
+        asyncio.run(with_viewers(page, 1, lambda: move(system, observer)))
 
     launches: tuple[tuple[dict[str, Any], dict[str, Work]], ...] = (
         ({"record": False, "is_silent": True}, {"at rest": rest}),

@@ -17,7 +17,7 @@ import rospy
 from bench.common.resumable import measured
 from bench.system.processes import between, usage
 from bench.system.talking_system import Loop, Observer, own_master, talking, work
-from bench.system.viewers import looked_at
+from bench.system.viewers import with_viewers
 from support.figures import Figure
 from support.launched_system import System
 from support.waiting import wait_until
@@ -83,5 +83,5 @@ def _watch(page: str, viewers: int, seconds: float, system: System, observer: Ob
         share = 100.0 * between(used, usage(system.pids()))["display"] / took
         seen.append(Stage(viewers, share, first, last))
 
-    asyncio.run(looked_at(page, viewers, act))
+    asyncio.run(with_viewers(page, viewers, act))
     return seen[0]

@@ -16,7 +16,7 @@ from support.figures import Figure
 
 FULL = 600.0  # [s]
 SECONDS = float(os.environ.get("BENCH_SECONDS", "60"))
-PAUSE = 1.0  # [s] between looks at whether the robot rests
+PAUSE = 1.0  # [s] between checks whether the robot rests
 
 
 def measure(seconds: float = SECONDS) -> list[Figure]:

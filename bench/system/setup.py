@@ -17,7 +17,7 @@ NOTE = "as committed, Debian's packages there, Python's from pip's cache where i
 
 
 def measure(root: Path = ROOT) -> list[Figure]:
-    """Clone, set up, and look at what that took.
+    """Clone, set up, and measure what that took.
 
     Args:
         root: Of the repository.

@@ -166,7 +166,7 @@ def work(system: System, observer: Observer, seconds: float, pause: float = 0.5)
         system: That must keep running.
         observer: Of it.
         seconds: How long [s].
-        pause: Between looks at whether it rests [s].
+        pause: Between checks whether it rests [s].
 
     Raises:
         RuntimeError: A part of the system ended.

@@ -12,7 +12,7 @@ from aiohttp import ClientSession, ClientTimeout
 CONNECTING = 1.0  # [s]
 
 
-async def looked_at(page: str, viewers: int, act: Callable[[], object]) -> None:
+async def with_viewers(page: str, viewers: int, act: Callable[[], object]) -> None:
     """Do something in a thread while so many look at a page, all of them connected.
 
     Args:
@@ -20,12 +20,12 @@ async def looked_at(page: str, viewers: int, act: Callable[[], object]) -> None:
         viewers: How many.
         act: What is done meanwhile.
     """
-    looking = [asyncio.create_task(_view(page)) for _ in range(viewers)]
+    viewing = [asyncio.create_task(_view(page)) for _ in range(viewers)]
     await asyncio.sleep(CONNECTING)
     await asyncio.to_thread(act)
-    for viewer in looking:
+    for viewer in viewing:
         viewer.cancel()
-    await asyncio.gather(*looking, return_exceptions=True)
+    await asyncio.gather(*viewing, return_exceptions=True)
 
 
 async def _view(page: str) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from bench.voice.hearing import pieces
 from bench.voice.hearing.pieces import SceneRecord
-from bench.voice.hearing.replay_stream import WAYS, Way, ears
+from bench.voice.hearing.replay_stream import WAYS, Way, way_name
 from bench.voice.material.held_out_voices import natives, spread
 from bench.voice.material.overlap import PER_CHUNK, OverlapTrial
 from bench.voice.material.synthesis import DEV, TALK, SpokenClip, recorded, spoken
@@ -105,7 +105,7 @@ def _plans() -> Iterator[tuple[str, list[OverlapTrial]]]:
             OverlapTrial("talk alone", clip, None, 0.0, index, is_moving, way)
             for index, clip in enumerate(talk)
         ]
-        yield f"human talk, {STATES[is_moving]}, {ears(way)}", trials
+        yield f"human talk, {STATES[is_moving]}, {way_name(way)}", trials
 
 
 def _under(
@@ -116,7 +116,7 @@ def _under(
     is_moving: bool,
     way: Way,
 ) -> Iterator[tuple[str, list[OverlapTrial]]]:
-    name = f'{who} "stop" {level:g} dB over talk, {STATES[is_moving]}, {ears(way)}'
+    name = f'{who} "stop" {level:g} dB over talk, {STATES[is_moving]}, {way_name(way)}'
     trials = [
         OverlapTrial("under talk", word, talk[index % len(talk)], level, index, is_moving, way)
         for index, word in enumerate(words)

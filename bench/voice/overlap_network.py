@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from bench.voice.material.over_talk import LATEST, alarms, looks_at, over_talk, threshold_at
+from bench.voice.material.over_talk import LATEST, alarms, over_talk, scores_of, threshold_at
 from bench.voice.material.synthesis import DEV, TALK, SpokenClip, recorded
 from bench.voice.outcomes import in_percent
 from bench.voice.trials import THIN
@@ -41,7 +41,7 @@ def measure() -> list[Figure]:
     torch.set_num_threads(1)
     network, _ = read_overlap(path)
     hours = sum(map(len, talk)) / RATE / 3600
-    heights = [height for sound in talk for height in alarms(looks_at(network, sound))]
+    heights = [height for sound in talk for height in alarms(scores_of(network, sound))]
     figures = [
         Figure("talk", hours, "h", note=f"({len(talk)} pieces, nobody says the word)"),
         Figure("look", 1e3 * _cost(network), "ms", 15.0, note="(one thread)"),
@@ -66,18 +66,18 @@ def _others() -> list[SpokenClip]:
 def _best(
     network: OverlapNetwork, words: list[SpokenClip], talk: list[Samples], level: float
 ) -> np.ndarray:
-    """Highest look at each word, from half its length on."""
+    """Highest score of each word, from half its length on."""
     best = []
     for index, clip in enumerate(words):
         word = read_sound(ROOT / clip.path)
         under = talk[index * 7 % len(talk)] if talk else None
         sound, end = over_talk(word, under, level, np.random.default_rng(index))
-        best.append(float(looks_at(network, sound, end - 0.1, end + LATEST).max()))
+        best.append(float(scores_of(network, sound, end - 0.1, end + LATEST).max()))
     return np.array(best)
 
 
 def _cost(network: OverlapNetwork) -> float:
-    """CPU time of a look [s], the median of several."""
+    """CPU time of a network pass [s], the median of several."""
     score, window = overlap_scorer(network), np.zeros((1, WINDOW), np.float32)
     times = []
     for _ in range(15):

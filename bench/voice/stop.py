@@ -10,7 +10,7 @@ from bench.common import resumable
 from bench.voice import outcomes
 from bench.voice.hearing import pieces
 from bench.voice.hearing.pieces import SceneRecord
-from bench.voice.hearing.replay_stream import WAYS, ears
+from bench.voice.hearing.replay_stream import WAYS, way_name
 from bench.voice.material.mixing import StreamedTrial, chunks, trials_of, twice
 from bench.voice.material.synthesis import DEV, SpokenClip, recorded
 from bench.voice.outcomes import latencies, quantiles, right, tally
@@ -69,11 +69,11 @@ def _conditions(
     who: str, trials: Sequence[StreamedTrial]
 ) -> Iterator[tuple[str, list[StreamedTrial]]]:
     for way in WAYS:
-        yield f"{who}, quiet, {ears(way)}", [replace(t, way=way) for t in trials]
+        yield f"{who}, quiet, {way_name(way)}", [replace(t, way=way) for t in trials]
     background, snr = HARD
     for way in WAYS:
         noisy = [replace(t, background=background, snr=snr, way=way) for t in trials]  # type: ignore[arg-type]
-        yield f"{who}, {background} {snr:g} dB, {ears(way)}", noisy
+        yield f"{who}, {background} {snr:g} dB, {way_name(way)}", noisy
     yield f"{who}, standby", [replace(t, mode=Mode.STANDBY.value) for t in trials]
     for kind, level in ROBOT:
         over = [replace(t, background=kind, snr=level) for t in trials]  # type: ignore[arg-type]

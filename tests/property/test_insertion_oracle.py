@@ -13,9 +13,9 @@ from rst_control.types import Rejected
 from tests.unit.rst_control.support.situations import request
 
 STARTS = 40  # whose insertion is planned
-JUDGED = 3  # of so many plans one is looked at in full; the bench looks at all of its own
-LOOKS = 25  # places of each phase
-RATE = 250.0  # [Hz] of the looks at the way in, 0.04 mm apart; the bench takes 10 kHz
+JUDGED = 3  # of so many plans one is judged in full; the bench judges all of its own
+SAMPLES = 25  # places of each phase
+RATE = 250.0  # [Hz] of the samples of the way in, 0.04 mm apart; the bench takes 10 kHz
 RCM_WORST = 2e-6  # [m], of which 1 um is PyBullet's single precision
 
 
@@ -41,7 +41,7 @@ def test_plans_keep_trocar_surface_joint_limits_and_their_derivatives(judge, dec
     plans = [(q, d.plan) for q, d in decisions if not isinstance(d, Rejected)]
     assert len(plans) > 0.9 * STARTS
     for q, plan in plans[::JUDGED]:
-        assert judge.objection(q, plan.phases, LOOKS) == ""
+        assert judge.objection(q, plan.phases, SAMPLES) == ""
 
 
 def test_approaches_differ_but_all_lead_through_the_same_trocar(planner, judge, decisions):
@@ -63,6 +63,6 @@ def test_withdrawals_from_anywhere_inside_keep_them_as_well(planner, judge, veri
             continue
         decision = verify(request("withdraw"), situation(q))
         assert not isinstance(decision, Rejected), decision.words
-        assert judge.objection(q, decision.plan.phases, LOOKS) == ""
+        assert judge.objection(q, decision.plan.phases, SAMPLES) == ""
         judged += 1
     assert judged > 6

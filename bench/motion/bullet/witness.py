@@ -44,8 +44,8 @@ class BulletWitness(BulletRobot):
         self._trocar = np.array(config.scene.trocar)
         self._outward = np.array(config.scene.outward) / np.linalg.norm(config.scene.outward)
 
-    def look(self, q: Array) -> Sight:
-        """See the robot at q (9,) [rad], jaws closed."""
+    def observe(self, q: Array) -> Sight:
+        """Measure the robot at q (9,) [rad], jaws closed."""
         self.place(robot_joints(q, 0.0))
         poses = dict(zip(self._names, self.poses(self._names), strict=True))
         first, wrist, tip = (poses[name][:, 3] for name in PLACES)

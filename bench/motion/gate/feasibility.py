@@ -62,12 +62,12 @@ def measure(
             case = cases.near()
         else:
             case = cases.feasible() if draw < FEASIBLE else cases.infeasible()
-        _look(case, judge, tally)
+        _judge_case(case, judge, tally)
     ended = [_execute(case, simulation) for case in tally.passed[:executed]]
     return _figures(tally, [words for words in ended if words], len(ended))
 
 
-def _look(case: Case, judge: GateJudge, tally: GateTally) -> None:
+def _judge_case(case: Case, judge: GateJudge, tally: GateTally) -> None:
     begin = time.perf_counter()
     decision = case.decide()
     tally.times.append(time.perf_counter() - begin)

@@ -31,12 +31,12 @@ from support.kdl_chain import Kdl
 
 Array = NDArray[np.float64]
 JAW, WRIST = 0.015, 0.0115  # [m] from the tip to the jaws' axis, from there to the pitch axis
-LOOKS = 25  # places on each path
+PATH_SAMPLES = 25  # places on each path
 STRIDE = 0.0005  # [m] of the follower's steps
 TINY = 1e-9
 BODY_TINY = 1e-6  # [m] to which PyBullet knows distances
 RCM_WORST = 1e-6  # [m]
-BODY_LOOKS = 9  # places on each path where PyBullet measures distances
+BODY_SAMPLES = 9  # places on each path where PyBullet measures distances
 BODY_STRIDE = 4  # steps of the follower from one such measurement to the next
 BODIES_CLOSE = 5e-4  # [m] that a distance may be missed by between them
 SINGULAR_CLOSE = 1.005  # [-] the same for manipulability
@@ -207,7 +207,7 @@ class GateJudge:
         trocar, centre = np.array(config.scene.trocar), np.array(config.scene.workspace_centre)
         middle, half = 0.5 * (limits.lower + limits.upper), 0.5 * (limits.upper - limits.lower)
         low, high = config.rcm.insertion
-        for s in np.linspace(phase.start, phase.target, LOOKS):
+        for s in np.linspace(phase.start, phase.target, PATH_SAMPLES):
             q, dq, ddq = path.evaluate(float(s))
             error, depth = self._trocar(q, trocar)
             tip = self._tip.frame(q)[:3, 3]
@@ -230,7 +230,7 @@ class GateJudge:
             return ""
         clearance = case.config.collision.clearance - 0.5 * RESOLUTION
         manipulability = case.config.limits.min_manipulability / SINGULAR_CLOSE
-        for s in np.linspace(phase.start, phase.target, BODY_LOOKS):
+        for s in np.linspace(phase.start, phase.target, BODY_SAMPLES):
             q = phase.path.evaluate(float(s)).q
             if self._min_distance(case, q) < clearance - BODY_TINY:
                 return f"collision at {s * 1e3:.1f} mm"

@@ -33,7 +33,7 @@ PHASES = {"tense": 2.0, "release": 0.6, "pull": 0.15}  # [s] of a motion, at mos
 GRASPING = 0.4  # share of the losses with free jaws before which tissue is taken
 ATTEMPTS = 8  # at a motion that lasts until its loss
 SPOKEN = ("voice", "recogniser")  # their loss concerns motion that was spoken
-TALK = "they will release the beds before the morning"  # that the recogniser looks at, and fails
+TALK = "they will release the beds before the morning"  # that the recogniser decodes, and fails
 
 EASING = ("release", "pull less")
 _CONFIG = load_motion_config().controller
@@ -209,7 +209,7 @@ class LossStage:
         raise RuntimeError(f"no motion lasted until its loss: {'; '.join(ended)}")
 
     def _failed(self, lost: float) -> float:
-        """When the part was truly lost [s]: a recogniser fails at its next look."""
+        """When the part was truly lost [s]: a recogniser fails at its next decoder pass."""
         if self._victim == "recogniser" and self._lead.room is not None:
             self._lead.room.say(TALK)
             wait_until(lambda: self._watcher.failed_at > lost, "the recogniser fails", 3.0)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The voice node with a recogniser that hangs on SIGUSR1 and crashes on SIGUSR2.
 
-When it does, at its next look at some sound, it says so on the topic `losses/failed`.
+It fails at its next decoder pass, and reports that on the topic `losses/failed`.
 """
 
 from __future__ import annotations

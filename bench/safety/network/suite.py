@@ -7,7 +7,7 @@ at each fault, at a random phase of it. Counted is the time until the set-points
 rest: from the fault on, where no "stop" could reach the robot any more; from a "stop" that is said,
 where it could. Then nothing may move until "hey robot", and after it the next command has to work.
 
-The voice node here has no ears (`voice.py`), but its own publishers, caller and heartbeat.
+The voice node here (`voice.py`) has its own publishers, caller and heartbeat, but no recognition.
 Needs root, iproute2 and TUN; where one of them is missing, it says so and measures nothing. In the
 environment: TRIALS of each fault (10), INTERVAL between two heartbeats [s] (the voice node's), AGE
 of the last one that is allowed [s] (that of launch/two_hosts.yaml).

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The voice node without ears: its publishers, its caller and its heartbeat, led by lines of JSON.
+"""The voice node without recognition: publishers, caller and heartbeat, led by lines of JSON.
 
 What is measured is the network between it and the controller, so no recogniser is needed, and none
 takes the processor from the rest. All that it sends it sends by the voice node's own classes.

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The invariants of the soak, checked at every tick of the control loop.
 
-They look at the set-points that were sent, at the joints and the tension as they truly are, and at
-the state that the controller shows; not at what the controller believes of the robot.
+They check the set-points that were sent, the true joints and the true tension, and the state that
+the controller shows. What the controller believes of the robot is not used.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class SoakBounds:
     rcm: float  # [m] of the true shaft from the trocar
     tension: float  # [N] true
     stop: float  # [s] of ticks from a stop until set-points stand still
-    waking: float  # [s] that a "hey robot" may wait for the robot to be well
+    reset_time: float  # [s] that a "hey robot" may wait for the robot to be well
     period: float  # [s] of the loop
     resting: float  # [rad/s] of a joint that counts as at rest
     max_periods: int  # of the path that one late tick may catch up with
@@ -144,7 +144,7 @@ class Checker:
         if moment.was_stopped:
             self._woken_until = -np.inf
         if "hey robot" in moment.said:
-            self._woken_until = moment.now + self.bounds.waking
+            self._woken_until = moment.now + self.bounds.reset_time
         return moment.now <= self._woken_until
 
     def _check_start(self, moment: CheckedTick) -> None:

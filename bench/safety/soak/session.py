@@ -38,7 +38,7 @@ from voice_assist.config import load_voice_config
 
 START = 10.0  # [s] time of the first state
 BEAT = 0.1  # [s] between heartbeats of voice and recorder
-PUBLISH = 0.02  # [s] between two looks of the publisher
+PUBLISH = 0.02  # [s] between two rounds of the publisher
 STIFFNESS = (20.0, 1000.0)  # [N/m] of the tissue, drawn anew for each stretch
 NODES = (9, 9)  # of its sheet
 STOP_TIME = 0.4  # [s] to brake; 0.06 s are enough, but tissue that pulls may add to it
@@ -231,7 +231,7 @@ def make_bounds(config: MotionConfig) -> SoakBounds:
         rcm=config.rcm.measured_tolerance,
         tension=controller.tension.limit,
         stop=STOP_TIME,
-        waking=RESET_TIME + LATE_TIME,
+        reset_time=RESET_TIME + LATE_TIME,
         period=1.0 / controller.rate,
         resting=controller.watchdogs.at_rest_speed,
         max_periods=MAX_PERIODS,

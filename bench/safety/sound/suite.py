@@ -41,7 +41,7 @@ PIECE = 60.0  # [s] of one kind
 SETTLED = 1.5  # [s] of a quiet room before the "stop"
 AFTER = 2.0  # [s] in which it has to be heard
 MEMORY = 20.0  # [MiB] of growth that is borne
-WARM = 2 * len(KINDS)  # pieces before memory is first looked at
+WARM = 2 * len(KINDS)  # pieces before memory is first measured
 
 
 @dataclass
@@ -77,8 +77,8 @@ class Garbage:
         return sum(n for (_, command), n in self.tally.taken.items() if command in self._motions)
 
     @property
-    def hearer(self) -> tuple[Pipeline, StreamClock]:
-        """What hears, and its clock."""
+    def hearing(self) -> tuple[Pipeline, StreamClock]:
+        """The pipeline, and the clock of its stream."""
         return self._pipeline, self._clock
 
     def hear(self, kind: str, seed: int) -> None:
@@ -119,7 +119,7 @@ def measure() -> list[Figure]:
         garbage.hear(kind, index // len(KINDS))
         print(f"{index + 1} of {count}: {kind}", flush=True)
     rests = measured(count * PIECE / 3600.0, "h", FULL)
-    return [rests, *figures(garbage.tally, garbage.moved), *ends.figures(*garbage.hearer)]
+    return [rests, *figures(garbage.tally, garbage.moved), *ends.figures(*garbage.hearing)]
 
 
 def figures(tally: SoundTally, moved: int) -> list[Figure]:

@@ -3,7 +3,7 @@
 
 Kept measurements carry this key. Code that moves, or changes its names, keeps them; code that
 decides otherwise on one of the clips does not. `python -m bench.voice.hearing.fingerprint` notes
-the key of the present code. By it the page of figures tells changed code that decides the same.
+the key of the present code. By it the page of figures marks changed code that decides the same.
 """
 
 from __future__ import annotations

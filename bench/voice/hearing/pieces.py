@@ -36,7 +36,7 @@ class Chunk(Protocol):
     """A piece of work: small enough to be lost, large enough to be worth a file."""
 
     def name(self) -> str:
-        """Tells the piece from all others of its part, and changes when its content does."""
+        """Identifies the piece within its part; changes when its content does."""
         ...
 
     def scenes(self) -> Iterator[tuple[Label, SoundScene]]:
@@ -45,7 +45,7 @@ class Chunk(Protocol):
 
 
 class Trial(Protocol):
-    """One scene of many alike; a dataclass whose fields tell it from the others."""
+    """One scene of many alike; a dataclass whose fields identify it."""
 
     def scene(self) -> tuple[Label, SoundScene]:
         """What to stream."""

@@ -32,7 +32,7 @@ Way = Literal["both", "recogniser", "spotter"]  # what listens for a stop
 WAYS: tuple[Way, ...] = ("both", "recogniser", "spotter")
 
 
-def ears(way: Way) -> str:
+def way_name(way: Way) -> str:
     """A way in the name of a figure."""
     return "both ways" if way == "both" else f"{way} alone"
 

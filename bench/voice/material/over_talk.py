@@ -15,11 +15,11 @@ from voice_assist.spotter.overlap import STEP, OverlapNetwork, WindowCutter
 from voice_assist.types import RATE, Samples
 
 BEFORE, AFTER = 1.6, 0.64  # [s] of the talk before the word and behind it
-LATEST = 0.56  # [s] after the end of a word in which a look at it counts
+LATEST = 0.56  # [s] after the end of a word in which a score of it counts
 _PEAK = 0.5  # of full scale
 _AT_ONCE = 32  # windows
 
-Looks = NDArray[np.float64]
+Scores = NDArray[np.float64]
 
 
 def over_talk(
@@ -63,16 +63,16 @@ def at_peak(sound: Samples) -> Samples:
     return np.asarray(sound * (_PEAK / loudest), np.float32)
 
 
-def looks_at(
+def scores_of(
     network: OverlapNetwork, sound: Samples, begin: float = 0.0, end: float = np.inf
-) -> Looks:
-    """What the spotter makes of sound: the mean of each look and the one before.
+) -> Scores:
+    """Scores of the spotter: the mean of each network pass and the one before.
 
     Args:
         network: Evaluated as it is shipped.
         sound: Shape (n,), 16 kHz.
-        begin: No look before it counts [s].
-        end: No look after it counts [s].
+        begin: No score before it counts [s].
+        end: No score after it counts [s].
 
     Returns:
         Log-odds [nat], one for each 80 ms from `begin` to `end`.
@@ -90,16 +90,16 @@ def looks_at(
     return means if first else np.concatenate([odds[:1], means])
 
 
-def _odds(network: OverlapNetwork, windows: Sequence[Samples]) -> Looks:
+def _odds(network: OverlapNetwork, windows: Sequence[Samples]) -> Scores:
     with torch.inference_mode():
         found = network(torch.from_numpy(np.stack(windows)))[0]
     return np.asarray(found.numpy(), np.float64).reshape(len(windows))
 
 
-def alarms(looks: Looks, apart: float = 1.0) -> list[float]:
-    """Heights of the highest looks, none of them nearer to a higher one than so many seconds."""
+def alarms(scores: Scores, apart: float = 1.0) -> list[float]:
+    """Heights of the highest scores, none of them nearer to a higher one than so many seconds."""
     near = round(apart * RATE / STEP)
-    left, found = looks.copy(), []
+    left, found = scores.copy(), []
     while len(left) and np.isfinite(left.max()):
         at = int(left.argmax())
         found.append(float(left[at]))

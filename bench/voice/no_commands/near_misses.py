@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Near misses, denied commands and commands inside sentences, in held-out voices.
 
-"pull moor" is "pull more" in some accents: what has the sounds of a command in the very voice that
-says nobody can tell it apart, and is counted apart.
+"pull moor" is "pull more" in some accents. A phrase whose sounds are those of a command in the
+speaker's own voice cannot be distinguished from it. Such phrases are counted apart.
 """
 
 from __future__ import annotations

@@ -72,12 +72,12 @@ def test_code_that_changed_after_it_was_measured_marks_the_result(tmp_path):
     [
         ("a", {"code": identity(PART.rooms), "rest": "a"}, page.SAME),
         ("a", {"code": identity(PART.rooms), "rest": "b"}, False),
-        ("a", {"code": "looked at before it changed again", "rest": "a"}, False),
+        ("a", {"code": "noted before it changed again", "rest": "a"}, False),
         ("", {"code": identity(PART.rooms), "rest": "a"}, False),
         ("a", None, False),
     ],
 )
-def test_changed_code_that_decides_the_same_on_fixed_clips_is_told_apart(
+def test_changed_code_that_decides_the_same_on_fixed_clips_is_marked_so(
     tmp_path, monkeypatch, decided, now, age
 ):
     noted = tmp_path / "decisions.json"

@@ -15,7 +15,7 @@ from rst_control.planning.insertion import Insertion
 from rst_control.planning.plan import PhaseKind
 from rst_control.planning.planner import along
 
-LOOKS = 40
+SAMPLES = 40
 
 
 @pytest.fixture
@@ -37,7 +37,7 @@ def straight(planner, kind, a, b):
 
 
 def objection(judge, phase):
-    return judge.objection(phase.path.start, (phase,), LOOKS)
+    return judge.objection(phase.path.start, (phase,), SAMPLES)
 
 
 def test_a_good_phase_is_approved(judge, slide):
@@ -81,5 +81,5 @@ def test_a_joint_beyond_its_limit_is_not(judge, planner, slide):
 
 
 def test_phases_that_do_not_join_are_not(judge, slide):
-    assert "away from" in judge.objection(slide.path.start + 0.01, (slide,), LOOKS)
+    assert "away from" in judge.objection(slide.path.start + 0.01, (slide,), SAMPLES)
     assert np.isfinite(judge.worst_inside((slide,), 20.0))

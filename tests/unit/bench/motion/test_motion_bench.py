@@ -82,7 +82,7 @@ def test_the_judge_finds_a_plan_that_is_too_fast(cases, judge):
     assert "acceleration" in judge.objection(case, replace(plan, phases=hasty))
 
 
-def test_the_judge_looks_at_all_of_a_way_back(cases, judge):
+def test_the_judge_checks_all_of_a_way_back(cases, judge):
     case, plan = accepted(cases)
     pull = plan.phases[-1]
     back = replace(pull, start=pull.target, target=pull.start)

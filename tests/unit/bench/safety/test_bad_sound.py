@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sound that is none moves nothing, breaks nothing, and leaves the ears open."""
+"""Bad sound moves nothing and breaks nothing, and a stop after it is heard."""
 
 import numpy as np
 import pytest

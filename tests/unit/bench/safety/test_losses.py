@@ -215,14 +215,14 @@ def test_what_is_spared_is_judged_by_its_stop_alone():
     assert found["arm and jaws at rest in time by the loss alone"].target == 0
 
 
-def test_arm_and_jaws_are_told_apart():
+def test_arm_and_jaws_are_judged_apart():
     found = by_name([loss(alone=0.15, arm=0.06)], {"controller": HOLDS})
     assert found["arm at rest in time by the loss alone"].is_met
     assert found["arm and jaws at rest in time by the loss alone"].is_met is False
     assert found["controller, SIGKILL: loss to last movement of the arm max"].is_met
 
 
-def test_a_loss_at_rest_shows_nothing_and_is_told():
+def test_a_loss_at_rest_shows_nothing_and_is_reported():
     found = by_name([loss(speed=1e-4, alone=0.0)], {"controller": HOLDS})
     assert found["controller, SIGKILL: in motion when lost"].is_met is False
 
@@ -235,7 +235,7 @@ def test_fewer_losses_than_planned_miss_their_target():
     assert good["arm and jaws at rest in time by the loss alone"].value == 2
 
 
-def test_a_controller_that_nobody_finds_is_told():
+def test_a_controller_that_nobody_finds_is_reported():
     found = by_name([loss(victim="roscore", found=False)], {"roscore": HOLDS})
     assert found["roscore, SIGKILL: new clients do not find the controller"].is_met is False
 

@@ -124,7 +124,7 @@ def test_a_command_that_sets_off_long_after_it_was_said_is_missed():
     assert judge(trial(seen=never, **asked)).objections == ()
 
 
-def test_figures_tell_each_fault_apart_and_what_was_missed_in_it():
+def test_each_fault_has_its_own_figures_and_what_was_missed_in_it():
     slow = trial(fault="20 % loss", seen=course(brakes=FAULT + 0.5), moved=2.5)
     found = {figure.name: figure for figure in figures([trial(), trial(), slow], 1, "")}
     good, bad = "two hosts, link cut: ", "two hosts, 20 % loss: "

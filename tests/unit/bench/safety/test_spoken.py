@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The judge of spoken stops counts from the end of the word, and tells what was not heard."""
+"""The judge of spoken stops counts from the end of the word, and reports what was not heard."""
 
 from dataclasses import replace
 
@@ -84,7 +84,7 @@ def test_a_robot_that_did_not_come_to_rest_shows():
     assert value(figures([HEARD]), "it went on").is_met
 
 
-def test_people_and_synthetic_voices_are_told_apart():
+def test_people_and_synthetic_voices_are_counted_apart():
     found = figures([HEARD, replace(HEARD, who="synthetic", received=None)])
     assert value(found, "human: heard").value == 100.0
     assert value(found, "synthetic: heard").value == 0.0

@@ -63,7 +63,7 @@ def test_an_amount_is_the_same_in_words_and_in_fields():
 def test_a_drift_that_pull_after_pull_hides_is_found_at_rest(monkeypatch):
     """One of 4,000 drawn: tissue that stiffens twentyfold, and a drift of 0.2 N/s."""
     peak = carry_out(draw_situation(353))
-    assert peak.peak <= LIMIT and "while nothing moved" in peak.distrust
+    assert peak.peak <= LIMIT and "while nothing moved" in peak.invalid_reason
     monkeypatch.setattr(FallsAtRest, "total", 0.0)
     assert carry_out(draw_situation(353)).peak > ABOVE * LIMIT
 
@@ -87,7 +87,7 @@ def test_a_sensor_that_reads_a_third_is_bounded_by_distance_where_its_gain_is_un
     rig.finish("tense", tension=1.0)
     for _ in range(4):
         rig.finish("pull more")
-    assert rig.distrust == ""
+    assert rig.invalid_reason == ""
     assert rig.peak == pytest.approx(LIMIT if gain == "unchecked" else 6.0, abs=0.01)
 
 
@@ -115,7 +115,7 @@ def test_a_stuck_sensor_with_noise_cannot_be_pulled_on_step_by_step_until_the_ne
     monkeypatch,
 ):
     rig = stuck_at_one_newton()
-    assert "sensor dead" in rig.distrust
+    assert "sensor dead" in rig.invalid_reason
     assert rig.peak <= 2.0 + 1e-6  # what distances add up to on the stiffest tissue
     assert rig.executor.snapshot.measurement.tension_invalid_reason
     rig.finish("release")
@@ -131,7 +131,7 @@ def test_a_sensor_that_works_is_believed(index):
     drawn = draw_situation(index)
     tissue = Spring(drawn.stiffest * rng.uniform(0.3, 1.0), 0.0, 0.0)
     peak = carry_out(replace(drawn, fault=healthy(rng), tissue=tissue, is_bound=False))
-    assert peak.distrust == "" and peak.peak <= LIMIT
+    assert peak.invalid_reason == "" and peak.peak <= LIMIT
 
 
 def test_jaws_that_are_empty_and_read_a_tension_make_the_next_pull_one_by_distance():
@@ -141,6 +141,6 @@ def test_jaws_that_are_empty_and_read_a_tension_make_the_next_pull_one_by_distan
     rig = HeldTissue(site(200.0, False), Spring(150.0, 0.0, 0.0), Sensor(fault))
     rig.run(0.5)
     rig.give("hey robot")
-    assert "with nothing held, allowed 0.10 N" in rig.distrust
+    assert "with nothing held, allowed 0.10 N" in rig.invalid_reason
     pending = rig.give("tense")
     assert "by distance" in pending.reply.result(0).message

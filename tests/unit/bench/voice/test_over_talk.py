@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 import torch
 
-from bench.voice.material.over_talk import BEFORE, alarms, looks_at, over_talk, threshold_at
+from bench.voice.material.over_talk import BEFORE, alarms, over_talk, scores_of, threshold_at
 from voice_assist.spotter.overlap import STEP, WINDOW
 from voice_assist.types import RATE
 
@@ -39,19 +39,19 @@ class Loudest:
         return windows[:, -1], torch.zeros(len(windows), 80)
 
 
-def test_looks_are_means_of_two_and_those_of_the_asked_time():
+def test_scores_are_means_of_two_and_those_of_the_asked_time():
     sound = np.repeat(np.arange(1, 51, dtype=np.float32), STEP)
-    every = looks_at(Loudest(), sound)
+    every = scores_of(Loudest(), sound)
     assert every[0] == 1.0
     np.testing.assert_allclose(every[1:], np.arange(1, 50) + 0.5)
-    some = looks_at(Loudest(), sound, 10 * STEP / RATE, 20 * STEP / RATE)
+    some = scores_of(Loudest(), sound, 10 * STEP / RATE, 20 * STEP / RATE)
     np.testing.assert_allclose(some, np.arange(9, 20) + 0.5)
 
 
 def test_alarms_are_a_second_apart_and_the_threshold_lets_as_many_through_as_allowed():
-    looks = np.full(100, -5.0)
-    looks[[10, 12, 50, 80]] = 3.0, 2.0, 1.0, 4.0
-    heights = alarms(looks)
+    scores = np.full(100, -5.0)
+    scores[[10, 12, 50, 80]] = 3.0, 2.0, 1.0, 4.0
+    heights = alarms(scores)
     assert heights[:3] == [4.0, 3.0, 1.0]
     threshold = threshold_at(heights, hours=2.0, per_hour=1.0)
     assert sum(height >= threshold for height in heights) == 2
