@@ -40,7 +40,7 @@ def event(**fields):
     return serialise(class_of("rst_control/Event")(**fields))
 
 
-def test_messages_of_one_size_and_other_layouts_are_told_apart():
+def test_messages_of_one_size_and_other_layouts_are_distinguished():
     source = source_of("/e", "rst_control/Event")
     payloads = [
         event(kind="ab", command="c"),

@@ -16,7 +16,7 @@ from support.message_classes import class_of, definition_of, serialise
         ("", False),
     ],
 )
-def test_the_first_field_tells_whether_there_is_a_header(definition, expected):
+def test_the_first_field_shows_whether_there_is_a_header(definition, expected):
     assert starts_with_header(definition) is expected
 
 

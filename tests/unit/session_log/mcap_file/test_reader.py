@@ -133,7 +133,7 @@ def test_what_lies_beside_a_damaged_stretch_is_read(sound, tmp_path_factory, sta
     assert len(missed) <= 1  # the way is found again where two sound records follow each other
 
 
-def test_a_hole_is_told_with_its_place_and_the_messages_that_are_missing(sound, tmp_path):
+def test_a_hole_is_reported_with_its_place_and_the_messages_that_are_missing(sound, tmp_path):
     content, ends = sound
     start, end = ends[20], ends[23]
     (tmp_path / "session.mcap").write_bytes(content[:start] + bytes(end - start) + content[end:])

@@ -62,7 +62,7 @@ def test_the_channel_names_publisher_type_and_latching(tmp_path):
     assert (channel.topic, channel.metadata) == ("/mode", expected)
 
 
-def test_two_publishers_of_a_topic_are_told_apart_and_share_a_schema(tmp_path):
+def test_two_publishers_of_a_topic_are_distinguished_and_share_a_schema(tmp_path):
     data = serialise(class_of("voice_assist/Mode")())
     with SessionWriter(tmp_path / "s.mcap") as writer:
         for name in ("/a", "/b"):

@@ -91,7 +91,7 @@ def test_versions_leave_out_what_is_not_installed():
     assert list(metadata.version_facts(["mcap", "no-such-package-at-all"])) == ["mcap"]
 
 
-def test_changes_that_git_does_not_tell_in_time_are_unknown(tmp_path, monkeypatch):
+def test_changes_that_git_does_not_report_in_time_are_unknown(tmp_path, monkeypatch):
     def answer(words, **options):
         if "status" in words:
             raise subprocess.TimeoutExpired(words, options["timeout"])

@@ -1,52 +1,26 @@
 # SPDX-License-Identifier: BSD-3-Clause
-import json
-import re
+"""What a replay decides otherwise than the recording, and what it refuses to replay."""
 
 import pytest
 import yaml
-from mcap.reader import make_reader
 
 from session_log.cli import main
-from session_log.mcap_file.writer import SessionWriter
-from session_log.replay.command import REPLAY_CONFIG
-from support.story import START, Story, numbered
-from tests.unit.session_log.support import fake_pipeline
-from tests.unit.session_log.support.fake_pipeline import MADE, PLANS, utterance
+from support.story import Story
+from tests.unit.session_log.support.fake_pipeline import MADE, PLANS
+from tests.unit.session_log.support.voice_recording import (
+    BLOCK,
+    FACTS,
+    SAME,
+    SETTINGS,
+    block,
+    hears,
+    note,
+    ordinary,
+    play,
+    say,
+    write,
+)
 from typed_config import load_yaml
-
-BLOCK = 512
-ZERO = START * 1e-9  # [s] of the clock
-FACTS = {"model": "embedded", "model_sha256": "ab" * 32, "spotter_sha256": ""}
-SETTINGS = {"recognizer": {"model": "embedded"}}
-ACTIVE = {"mode": "active", "reason": "hey robot"}
-
-
-@pytest.fixture(autouse=True)
-def nothing_left():
-    MADE.clear()
-    PLANS.clear()
-
-
-@pytest.fixture
-def config(tmp_path):
-    """The settings with a pipeline that does what the test says."""
-    path = tmp_path / "replay.yaml"
-    data = {**load_yaml(REPLAY_CONFIG), "pipeline": f"{fake_pipeline.__name__}:make"}
-    path.write_text(yaml.safe_dump(data))
-    return path
-
-
-@pytest.fixture
-def replayed(tmp_path, config, capsys):
-    def run(*words):
-        out = tmp_path / "result.json"
-        given = ["replay", *map(str, words), "--config", str(config), "--json", str(out)]
-        with pytest.raises(SystemExit) as end:
-            main(given)
-        shown = capsys.readouterr()
-        return end.value.code, shown.out, shown.err, json.loads(out.read_text())
-
-    return run
 
 
 @pytest.fixture
@@ -60,70 +34,6 @@ def refusal(config, capsys):
         return capsys.readouterr().err
 
     return run
-
-
-def say(story, end, **changes):
-    """A recorded utterance that ended at a time of the session [s]."""
-    u = utterance(end, **changes)
-    fields = {
-        name: getattr(u, name) for name in ("transcript", "command", "reason", "nearest_command")
-    }
-    fields |= {
-        name: getattr(u, name) for name in ("confidence", "mode", "decided_by", "is_partial")
-    }
-    fields |= {n: float(getattr(u, n)) for n in ("speech_start", "speech_end", "decision")}
-    wer = {"phrases": list(u.wer), "wer": list(u.wer.values())}
-    topic = "/voice_assist/utterance"
-    story.say(u.decision + 0.01, topic, "voice_assist/Utterance", **fields, **wer)
-
-
-def hears(end, **changes):
-    """What the pipeline decides now about speech that ended at a time of the session [s]."""
-    return utterance(ZERO + end, **changes)
-
-
-def play(story, begin, end, start=0.0, skip=()):
-    """Sound of a run of the node that began at `start`; blocks of the session's time [s]."""
-    for first in range(round(begin * 16_000) // BLOCK * BLOCK, round(end * 16_000), BLOCK):
-        if first not in skip:
-            fields = {"rate": 16_000, "first_sample": first, "samples": [1] * BLOCK}
-            time = start + first / 16_000
-            story.say(time, "/voice_assist/audio", "voice_assist/AudioChunk", **fields)
-
-
-def note(story, time, text):
-    story.say(time, "/voice_assist/circumstances", "std_msgs/String", data=text)
-
-
-def write(path, story, facts=FACTS, settings=SETTINGS, drop=()):
-    """Write a session; messages with the given numbers in order of time are lost from the file."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with SessionWriter(path) as writer:
-        writer.add_metadata("session/voice_assist", facts)
-        writer.add_metadata("parameters", {"voice_assist": yaml.safe_dump(settings)})
-        ordered = numbered(sorted(story.messages, key=lambda m: m.log_time))
-        for number, message in enumerate(ordered):
-            if number not in drop:
-                writer.add(message)
-                writer.commit()
-    return path
-
-
-def block(time):
-    """First sample of the block at a time [s]."""
-    return round(time * 16_000) // BLOCK * BLOCK
-
-
-def ordinary(path, **options):
-    """Ten seconds, in which "tense" was said twice."""
-    story = Story()
-    play(story, 0.0, 10.0)
-    say(story, 3.0)
-    say(story, 6.0)
-    return write(path, story, **options)
-
-
-SAME = {block(3.2): [hears(3.0)], block(6.2): [hears(6.0)]}
 
 
 def test_the_same_decisions_give_zero_and_one_line(tmp_path, replayed):
@@ -238,109 +148,6 @@ def test_a_recording_that_does_not_name_its_model_is_a_warning(tmp_path, replaye
     PLANS.append(SAME)
     code, _, err, _ = replayed(ordinary(tmp_path / "session.mcap", facts={}))
     assert code == 0 and "which one it was is not recorded" in err
-
-
-# --- what is lost
-
-
-def test_sound_lost_from_the_file_is_said_and_what_follows_it_is_not_counted(tmp_path, replayed):
-    story = Story()
-    story.say(2.0, "/voice_assist/mode", "voice_assist/Mode", **ACTIVE)
-    play(story, 0.0, 20.0)
-    say(story, 5.0)
-    say(story, 18.0)
-    ordered = sorted(story.messages, key=lambda m: m.log_time)
-    gone = [k for k, m in enumerate(ordered) if 4.0 <= (m.log_time - START) * 1e-9 < 6.0]
-    PLANS.append({block(7.0): [hears(7.0)], block(18.2): [hears(18.0)]})
-    path = write(tmp_path / "session.mcap", story, drop=gone)
-    code, out, _, result = replayed(path)
-    assert code == 0
-    assert "lost: 1 utterances that were recorded" in out
-    assert "lost: 2.02 s of sound in front of sample 96256" in out
-    (found,) = result["sessions"][0]["differences"]
-    assert found["excuse"].endswith("is lost") and found["kinds"] == ["extra"]
-    (mode,) = MADE[0].modes
-    assert mode[1:] == ("active", "hey robot")
-
-
-def test_a_difference_long_after_lost_sound_counts(tmp_path, replayed):
-    story = Story()
-    play(story, 0.0, 20.0)
-    say(story, 18.0)
-    ordered = sorted(story.messages, key=lambda m: m.log_time)
-    gone = [k for k, m in enumerate(ordered) if 4.0 <= (m.log_time - START) * 1e-9 < 6.0]
-    code, out, _, _ = replayed(write(tmp_path / "session.mcap", story, drop=gone))
-    assert code == 1 and "#1 at 18.20 s: missing\n" in out
-
-
-def test_a_gap_that_the_node_had_too_is_no_loss(tmp_path, replayed):
-    story = Story()
-    skip = range(block(4.0), block(5.0), BLOCK)
-    play(story, 0.0, 10.0, skip=skip)
-    note(story, 5.1, f"lost {block(5.0)}")
-    note(story, 9.9, "heard 159000")
-    PLANS.append({block(6.0): [hears(6.0)]})
-    code, out, _, _ = replayed(write(tmp_path / "session.mcap", story))
-    assert code == 1 and "lost:" not in out and "after #0 at 6.20 s: extra\n" in out
-    assert MADE[0].modes == []
-
-
-def test_a_recording_that_begins_late_says_so_and_takes_the_mode(tmp_path, replayed):
-    story = Story()
-    story.say(0.5, "/voice_assist/mode", "voice_assist/Mode", **ACTIVE)
-    play(story, 4.0, 10.0)
-    code, out, _, _ = replayed(write(tmp_path / "session.mcap", story))
-    assert code == 0 and "lost: 4.00 s of sound before the first" in out
-    assert MADE[0].modes == [(None, "active", "hey robot")]
-
-
-def middle(path):
-    """Place inside the middle chunk of a recording [B]."""
-    with path.open("rb") as file:
-        chunks = make_reader(file).get_summary().chunk_indexes
-    return chunks[len(chunks) // 2].chunk_start_offset + 40
-
-
-def test_a_truncated_file_is_heard_as_far_as_it_goes(tmp_path, replayed):
-    PLANS.append(SAME)
-    whole = ordinary(tmp_path / "whole.mcap")
-    path = tmp_path / "cut.mcap"
-    path.write_bytes(whole.read_bytes()[: middle(whole)])
-    code, out, _, result = replayed(path)
-    assert code == 0 and "cut off inside a record" in out
-    assert 4.0 < result["sessions"][0]["sound"] < 6.0
-    assert result["sessions"][0]["recorded"] == 1
-
-
-def test_a_damaged_stretch_is_said_and_the_rest_is_heard(tmp_path, replayed):
-    PLANS.append(SAME)
-    place = middle(ordinary(tmp_path / "session.mcap"))
-    content = bytearray((tmp_path / "session.mcap").read_bytes())
-    content[place : place + 2_000] = bytes(2_000)
-    (tmp_path / "session.mcap").write_bytes(content)
-    code, out, _, result = replayed(tmp_path / "session.mcap")
-    assert re.search(r"lost: \d+ bytes at \d+", out) and "s of sound in front of sample" in out
-    assert code == 0 and result["sessions"][0]["sound"] > 9.0
-
-
-def test_what_the_node_may_have_ended_before_is_not_counted(tmp_path, replayed):
-    story = Story()
-    play(story, 0.0, 10.0)
-    note(story, 5.0, "heard 80000")
-    PLANS.append({block(4.0): [hears(3.9)], block(8.0): [hears(7.9)]})
-    code, _, _, result = replayed(write(tmp_path / "session.mcap", story))
-    assert code == 1
-    early, late = result["sessions"][0]["differences"]
-    assert early["excuse"] == "" and "may have ended" in late["excuse"]
-
-
-def test_without_notes_only_the_very_end_is_not_counted(tmp_path, replayed):
-    story = Story()
-    play(story, 0.0, 10.0)
-    PLANS.append({block(8.0): [hears(7.9)], block(9.9): [hears(9.7)]})
-    code, _, _, result = replayed(write(tmp_path / "session.mcap", story))
-    excuses = [d["excuse"] for d in result["sessions"][0]["differences"]]
-    assert code == 1 and excuses == ["", "the recording ends there"]
 
 
 # --- runs of the node, and folders

@@ -8,9 +8,9 @@ import yaml
 
 from session_log.cli import main
 from session_log.replay.command import REPLAY_CONFIG
-from tests.unit.session_log.replay.test_replay import SAME, ordinary
 from tests.unit.session_log.support import fake_pipeline
 from tests.unit.session_log.support.fake_pipeline import MADE, PLANS
+from tests.unit.session_log.support.voice_recording import SAME, ordinary
 from typed_config import load_yaml
 
 

@@ -106,7 +106,7 @@ def test_latency_stands_beside_the_papers_table(report):
     assert rows["all"][1] == "10"
 
 
-def test_refusals_and_ignored_talk_are_told_with_their_reason(report):
+def test_refusals_and_ignored_talk_are_reported_with_their_reason(report):
     rows = {row[1]: row for row in report[1].rows if len(row) == 8}
     assert rows["“could you pass me the clamp”"][-1].startswith("nothing close enough")
     assert any(
@@ -128,7 +128,7 @@ def test_accuracy_counts_what_was_meant_and_never_heard(report):
     assert rows["no command"][:2] == ["2", "2"]
 
 
-def test_both_rcm_errors_and_the_trocars_change_are_told(report):
+def test_both_rcm_errors_and_the_trocars_change_are_reported(report):
     words = report[1].words
     assert "From the joint states, by the recorded robot model and trocar alone, while" in words
     assert "Trocar set at 20.0 s (by a service call)." in words

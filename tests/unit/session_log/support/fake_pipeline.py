@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Hears what a test tells it to, and remembers what it was given; in place of the voice part."""
+"""A pipeline in place of the voice part: it decides what a test plans and keeps its input."""
 
 from __future__ import annotations
 

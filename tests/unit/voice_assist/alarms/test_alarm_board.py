@@ -1,77 +1,30 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From what happens to what stands and sounds: priorities, acknowledgement, repetition."""
+"""From what happens to the alarms that stand: their priority, acknowledgement and end."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import pytest
 
-from typed_config import load_file
-from voice_assist.alarms.annunciator import GAP, Annunciator
+from tests.unit.voice_assist.support.alarm_scene import (
+    CODES,
+    CONFIG,
+    LOST,
+    OFF,
+    OVER,
+    STOPPED,
+    Scene,
+)
 from voice_assist.alarms.board import Board, wake_phrases
-from voice_assist.alarms.earcons import PATTERNS
 from voice_assist.alarms.presenter import event_alarm, latch_alarm, part_alarm, unheard_alarm
 from voice_assist.alarms.types import (
     ControllerEvent,
     Earcon,
     Kind,
-    PartHealth,
     Priority,
     RobotState,
     UtteranceReport,
 )
 from voice_assist.config import load_voice_config
-from voice_assist.config.alarms import FILE, AlarmsConfig
-
-CONFIG = load_file(AlarmsConfig, FILE)
-STOPPED = "stopped by voice"
-OVER = "tension 2.50 N, allowed 2.40 N"
-LOST = "robot not connected"
-OFF = "joint_4 0.060 rad off its set-point"
-CODES = {STOPPED: "stop_topic", OVER: "over_tension", LOST: "not_connected", OFF: "off_setpoint"}
-
-
-class Scene:
-    """A controller and a voice node, told by hand; time goes on by `run`."""
-
-    def __init__(self, **sound):
-        self.board = Board(CONFIG.board)
-        self.annunciator = Annunciator(replace(CONFIG.sound, **sound))
-        self.now, self.robot = 0.0, RobotState(0.0, "active", is_active=True)
-        self.heard = []  # of each sound the time, its name and whether it cut another off
-
-    def be(self, **changes):
-        if "halt_reason" in changes:
-            changes["halt_reason_code"] = CODES.get(changes["halt_reason"], "")
-        self.robot = replace(self.robot, **changes)
-        return self.run(0.05)
-
-    def event(self, kind, command="", message="", code=""):
-        self.board.see_event(ControllerEvent(kind, command, message, code), self.now)
-        return self.run(0.05)
-
-    def health(self, name, message):
-        self.board.see_health(PartHealth(name, bool(message), message), self.now)
-        return self.run(0.05)
-
-    def run(self, seconds, with_state=True):
-        for _ in range(round(seconds / 0.05)):
-            self.now += 0.05
-            if with_state:
-                self.board.see_state(replace(self.robot, stamp=self.now), self.now)
-            self.board.tick(self.now)
-            alarm = self.annunciator.next(self.board.standing, self.now)
-            if alarm is not None:
-                self.heard.append((round(self.now, 2), alarm.earcon))
-        return self
-
-    @property
-    def first(self):
-        return self.board.standing[0].alarm if self.board.standing else None
-
-    def sounds(self):
-        return [earcon for _, earcon in self.heard]
-
 
 # What an alarm is: pure functions.
 
@@ -124,13 +77,13 @@ def test_what_is_accepted_is_no_alarm(command, earcon):
         ControllerEvent("motion_started", "tense", "goes"),
         ControllerEvent("motion_finished", "tense", "tension 1.00 N"),
         ControllerEvent("at_rest", "tense", "terminated", "terminated"),
-        ControllerEvent("at_rest", "tense", OVER, "over_tension"),  # its latch tells it
+        ControllerEvent("at_rest", "tense", OVER, "over_tension"),  # its latch reports it
         ControllerEvent("halted", "tense", OVER, "over_tension"),
         ControllerEvent("stop_received", "stop", STOPPED, "stop_topic"),
         ControllerEvent("trocar_set", "set_trocar", "somewhere"),
     ],
 )
-def test_other_entries_of_the_diary_are_no_alarms_of_their_own(event):
+def test_other_events_are_no_alarms_of_their_own(event):
     assert event_alarm(event, True) is None
 
 
@@ -142,7 +95,7 @@ def test_a_motion_that_is_given_up_with_tissue_held_is_of_medium_priority():
 
 
 @pytest.mark.parametrize(
-    ("said", "is_told"),
+    ("said", "is_alarm"),
     [
         (
             UtteranceReport("", "confidence 0.31", "unsure", "tense", 0.0),
@@ -158,8 +111,8 @@ def test_a_motion_that_is_given_up_with_tissue_held_is_of_medium_priority():
         (UtteranceReport("tense", "", "", "tense", 0.0), False),
     ],
 )
-def test_only_the_words_of_a_command_that_was_not_taken_are_told(said, is_told):
-    assert (unheard_alarm(said) is not None) == is_told
+def test_only_the_words_of_a_command_that_was_not_taken_are_an_alarm(said, is_alarm):
+    assert (unheard_alarm(said) is not None) == is_alarm
 
 
 def test_a_deaf_microphone_is_worse_while_tissue_is_held():
@@ -259,7 +212,7 @@ def test_a_lost_pedal_has_its_own_next_step():
         ("rst_control: settings", "not those of the launch: a is 1", "not those of the launch: b"),
     ],
 )
-def test_a_new_stranger_or_setting_is_named_and_told_though_one_was_seen_to(name, first, second):
+def test_a_new_stranger_or_setting_is_named_and_sounds_though_one_was_seen_to(name, first, second):
     scene = Scene().health(name, first).event("refused", "hey robot", "x").run(3.0)
     before = scene.sounds().count(Earcon.FAULT_MEDIUM) + scene.sounds().count(Earcon.FAULT_LOW)
     scene.health(name, first).run(3.0)
@@ -278,7 +231,7 @@ def test_other_numbers_in_a_parts_message_are_no_news():
     assert "1.2 s" in scene.first.cause and scene.sounds() == [Earcon.FAULT_LOW]
 
 
-def test_another_trouble_of_the_same_part_is_told_once():
+def test_another_trouble_of_the_same_part_sounds_once():
     scene = Scene().health("pedal: pedal", "not found yet").run(3.0)
     sounds = scene.sounds()
     scene.health("pedal: pedal", "'/dev/input/event5' is not readable").run(3.0)
@@ -315,99 +268,8 @@ def test_without_known_commands_hey_robot_acknowledges():
     assert scene.board.standing[0].is_acknowledged
 
 
-def test_a_fault_that_gets_worse_is_told_again():
+def test_a_fault_that_gets_worse_sounds_again():
     scene = Scene().health("rst_control: recording", "not recorded: x")
     scene.be(is_tissue_held=True)
     assert scene.first.priority is Priority.MEDIUM
     assert scene.sounds() == [Earcon.FAULT_LOW, Earcon.FAULT_MEDIUM]
-
-
-# What sounds, and when.
-
-
-def test_high_repeats_until_hey_robot_then_is_silent_and_still_seen():
-    scene = Scene().be(state="moving").be(state="faulted", halt_reason=OVER).run(30.0)
-    times = [time for time, earcon in scene.heard if earcon is Earcon.FAULT_HIGH]
-    pause = PATTERNS[Earcon.FAULT_HIGH].duration + CONFIG.sound.repeat_high
-    assert len(times) >= 4
-    assert all(b - a == pytest.approx(pause, abs=0.11) for a, b in pairwise(times))
-    scene.event("refused", "hey robot", "robot not connected")
-    before = len(times)
-    scene.run(30.0)
-    assert scene.sounds().count(Earcon.FAULT_HIGH) == before
-    assert scene.first.priority is Priority.HIGH
-
-
-def test_a_stop_repeats_more_slowly_and_ends_with_its_cause():
-    scene = Scene().be(state="halted", halt_reason=STOPPED).run(30.0)
-    assert scene.sounds() == [Earcon.STOP] * 3
-    scene.be(state="active", halt_reason="").run(30.0)
-    assert scene.sounds() == [Earcon.STOP] * 3
-
-
-def test_stop_said_again_is_heard_again():
-    scene = Scene().be(state="halted", halt_reason=STOPPED).run(3.0)
-    scene.event("stop_received", "stop", STOPPED, "stop_topic").run(1.0)
-    assert scene.sounds() == [Earcon.STOP] * 2
-
-
-def test_the_entry_of_the_same_stop_is_not_heard_twice_at_once():
-    scene = Scene().be(state="stopping", halt_reason=STOPPED)
-    scene.event("stop_received", "stop", STOPPED, "stop_topic").run(0.5)
-    assert scene.sounds() == [Earcon.STOP]
-
-
-def test_a_higher_priority_interrupts_a_lower_one():
-    scene = Scene().be(state="halted", halt_reason=STOPPED)
-    scene.be(state="faulted", halt_reason=LOST, is_tissue_held=True)
-    (first, stop), (second, fault) = scene.heard
-    assert (stop, fault) == (Earcon.STOP, Earcon.FAULT_HIGH)
-    assert second - first < PATTERNS[Earcon.STOP].duration
-
-
-def test_nothing_of_the_same_or_a_lower_priority_interrupts():
-    scene = Scene().be(state="halted", halt_reason=STOPPED)
-    scene.event("refused", "tense", "halted (x); wait").run(3.0)
-    (first, _), (second, refusal) = scene.heard
-    assert refusal is Earcon.REFUSAL
-    assert second - first >= PATTERNS[Earcon.STOP].duration + GAP - 0.051
-
-
-def test_never_two_at_once_whatever_happens():
-    scene = Scene()
-    for turn in range(40):
-        scene.event("refused", "tense", "busy moving")
-        scene.be(state="halted" if turn % 3 else "active", halt_reason=STOPPED if turn % 3 else "")
-        scene.event("accepted", "pull more", "goes").run(0.3)
-    ends = [(t, t + PATTERNS[e].duration, PATTERNS[e].priority) for t, e in scene.heard]
-    assert len(ends) > 10
-    for (_, end, low), (start, _, high) in pairwise(ends):
-        assert start >= end or high > low
-
-
-def test_refusals_are_rate_limited_and_all_are_shown():
-    scene = Scene()
-    for _ in range(20):
-        scene.event("refused", "tense", "busy moving").run(0.2)
-    assert 2 <= scene.sounds().count(Earcon.REFUSAL) <= 3  # within 5 s
-    assert scene.first.kind is Kind.REFUSAL
-
-
-def test_while_high_sounds_notices_and_refusals_are_only_seen():
-    scene = Scene().be(state="faulted", halt_reason=OVER, is_tissue_held=True).run(3.0)
-    scene.event("refused", "tense", "halted (x); wait").run(1.0)
-    assert set(scene.sounds()) == {Earcon.FAULT_HIGH}
-    assert len(scene.board.standing) == 2
-
-
-def test_notices_can_be_silenced_alone():
-    scene = Scene(notices=False).event("accepted", "hey robot", "ready").run(1.0)
-    assert scene.heard == []
-    assert scene.be(state="halted", halt_reason=STOPPED).sounds() == [Earcon.STOP]
-
-
-def test_a_failed_pull_is_over_with_the_next_command():
-    words = "nothing grasped: no tissue between the closed jaws"
-    scene = Scene().event("at_rest", "tense", words, "closed_on_nothing")
-    assert scene.first.kind is Kind.FAULT
-    assert scene.event("accepted", "tense", "goes").first.kind is Kind.NOTICE

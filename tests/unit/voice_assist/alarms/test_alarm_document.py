@@ -44,7 +44,7 @@ def test_kinds_and_priorities_differ_without_colour():
     assert len(lines) >= len(alarms) + 1
 
 
-def test_a_line_tells_kind_priority_cause_and_next_step():
+def test_a_line_names_kind_priority_cause_and_next_step():
     assert line(FAULT) == (
         '▲ FAULT !!! HIGH: tension 2.50 N, allowed 2.40 N -> Say "hey robot", then "release".'
     )

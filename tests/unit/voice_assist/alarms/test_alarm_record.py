@@ -96,7 +96,7 @@ def causes(messages):
 
 
 @pytest.mark.parametrize("happening", IN_MOTION, ids=lambda h: h.__name__)
-def test_what_stops_a_motion_is_in_the_diary_and_in_the_state_with_its_cause(happening):
+def test_what_stops_a_motion_is_in_the_event_log_and_in_the_state_with_its_cause(happening):
     rig = Rig().moving("pull")
     happening(rig)
     rig.until(lambda: latched(rig), limit=2.0)
@@ -107,14 +107,14 @@ def test_what_stops_a_motion_is_in_the_diary_and_in_the_state_with_its_cause(hap
 
 
 @pytest.mark.parametrize("happening", AT_REST, ids=lambda h: h.__name__)
-def test_what_latches_a_robot_at_rest_is_in_the_diary_with_its_cause(happening):
+def test_what_latches_a_robot_at_rest_is_in_the_event_log_with_its_cause(happening):
     rig = Rig().awake()
     happening(rig)
     rig.until(lambda: latched(rig), limit=2.0)
     assert causes(events(rig)) == {AT_REST[happening]}
 
 
-def test_a_fault_that_follows_a_stop_at_rest_is_in_the_diary_too():
+def test_a_fault_that_follows_a_stop_at_rest_is_in_the_event_log_too():
     rig = Rig().awake()
     stop(rig)
     rig.until(lambda: latched(rig))
@@ -123,7 +123,7 @@ def test_a_fault_that_follows_a_stop_at_rest_is_in_the_diary_too():
     assert causes(events(rig)) == {Reason.STOP_TOPIC, Reason.FAULTED}
 
 
-def test_a_loop_that_fails_again_and_again_still_tells_its_state():
+def test_a_loop_that_fails_again_and_again_still_reports_its_state():
     rig = Rig().moving("reach")
 
     def fail(joints):
@@ -149,7 +149,7 @@ def test_a_motion_that_is_given_up_says_why_when_it_has_come_to_rest():
     assert [m.reason for m in rest] == [Reason.CLOSED_ON_NOTHING]
 
 
-def test_who_terminates_a_motion_is_in_the_diary():
+def test_who_terminates_a_motion_is_in_the_event_log():
     rig = Rig().moving("pull")
     rig.say("terminate")
     rig.rest()

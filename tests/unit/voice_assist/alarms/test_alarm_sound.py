@@ -27,7 +27,7 @@ REFUSAL = Alarm(Kind.REFUSAL, Priority.LOW, "busy", "Wait.", Earcon.REFUSAL)
 
 
 class Device:
-    """A sound device that plays until it is told to go on, or is cut."""
+    """A sound device that plays until a test lets it go on, or until it is cut."""
 
     def __init__(self):
         self.began = []
@@ -67,13 +67,13 @@ def device():
 
 
 @pytest.fixture
-def told():
+def reported():
     return []
 
 
 @pytest.fixture
-def player(device, told):
-    with Player(device, told.append) as player:
+def player(device, reported):
+    with Player(device, reported.append) as player:
         yield player
         device.go_on()
 
@@ -115,7 +115,7 @@ def test_of_what_waits_for_a_stuck_device_only_the_most_urgent_is_kept(player, d
     assert device.began == [Earcon.FAULT_HIGH, Earcon.STOP]
 
 
-def test_trouble_is_told_once_and_its_end_too(player, device, told):
+def test_trouble_is_reported_once_and_its_end_too(player, device, reported):
     device.trouble = "no sound device"
     for count in (1, 2, 3):
         player.offer(STOP)
@@ -125,7 +125,7 @@ def test_trouble_is_told_once_and_its_end_too(player, device, told):
     player.offer(STOP)
     device.wait_for(4)
     player.__exit__()
-    assert told == ["no sound device", ""]
+    assert reported == ["no sound device", ""]
 
 
 class Speaker:
@@ -144,15 +144,15 @@ class Speaker:
         self.said.append(sentence)
 
 
-def test_a_missing_answer_is_told_apart_from_a_missing_tone(device, told):
+def test_a_missing_answer_is_distinguished_from_a_missing_tone(device, reported):
     speaker, unspoken = Speaker(), []
     answered = replace(STOP, answer="stopped")
     device.go_on()
-    player = Player(device, told.append, speaker, report_answers=unspoken.append)
+    player = Player(device, reported.append, speaker, report_answers=unspoken.append)
     for tone, answer in [("", ""), ("", "stuck"), ("", "stuck"), ("x", "")]:
         device.trouble, speaker.trouble = tone, answer
         player._play(answered)
-    assert told == ["x"]
+    assert reported == ["x"]
     assert unspoken == ["no answer is spoken: stuck"]
     assert speaker.said == ["stopped"]
 

@@ -129,11 +129,11 @@ def test_messages_that_come_late_and_in_a_heap_are_no_gap():
 
 @pytest.mark.parametrize("stall", [0.3, 0.5, 0.8])
 def test_a_loss_soon_after_a_stall_of_this_process_is_reported_whole(stall):
-    stream, beats = UnstampedStream(CONFIG), [100.0 + n * TICK for n in range(1000)]
+    stream, times = UnstampedStream(CONFIG), [100.0 + n * TICK for n in range(1000)]
     stream.inform(1, 16000, "S16LE", "wave")
-    beats = [max(at, 105.0 + stall) if at > 105.0 else at for at in beats]  # a heap of them
-    beats = [at for at in beats if not 125.0 <= at < 125.448]
-    late = [(at, stream.take(SOUND, at).lost) for at in beats]
+    times = [max(at, 105.0 + stall) if at > 105.0 else at for at in times]  # a heap of them
+    times = [at for at in times if not 125.0 <= at < 125.448]
+    late = [(at, stream.take(SOUND, at).lost) for at in times]
     lost = [amount for at, amount in late if at > 120.0 and amount > 0.0]
     assert lost == [pytest.approx(0.448, abs=0.04)]
 

@@ -24,12 +24,12 @@ def with_another(voice, phrase):
     )
 
 
-def test_phrases_too_alike_are_told_before_anything_is_recorded(tmp_path, capsys):
+def test_phrases_too_alike_are_named_before_anything_is_recorded(tmp_path, capsys):
     with pytest.raises(VoiceError, match="no_such_folder"):
         enroll(with_another(load_voice_config(), "pull moore"), asked(tmp_path))
-    told = " ".join(capsys.readouterr().out.split())
-    assert "warning: 'pull more' and 'pull moore'" in told
-    assert "too alike" in told
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "warning: 'pull more' and 'pull moore'" in printed
+    assert "too alike" in printed
 
 
 def test_the_shipped_phrases_need_no_warning(tmp_path, capsys):

@@ -48,6 +48,6 @@ def test_rounded_probabilities_have_finite_odds(probability: float) -> None:
     assert math.isfinite(log_odds(probability))
 
 
-def test_beyond_the_most_evidence_tells_nothing_more() -> None:
+def test_evidence_beyond_its_limit_adds_nothing() -> None:
     worth = Calibration(slope=1.0, offset=0.5, max_evidence=2.0)
     assert worth(1.9) < worth(2.0) == worth(30.0) == worth(math.inf) == logistic(2.5)

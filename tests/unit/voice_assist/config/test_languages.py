@@ -174,7 +174,7 @@ def test_what_only_english_has_is_refused_by_name():
         load_config(CommandsConfig, data)
 
 
-def test_a_phrase_of_kanji_is_refused_since_nothing_tells_its_sounds():
+def test_a_phrase_of_kanji_is_refused_since_nothing_gives_its_sounds():
     commands = load_yaml(CONFIG_DIR / "commands_ja.yaml")
     commands["commands"][2]["phrase"] = "組織を離して"
     with pytest.raises(CommandsError, match=r"commands\[2\].phrase.*'組織を離して'.*kana"):

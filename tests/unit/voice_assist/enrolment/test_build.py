@@ -92,13 +92,13 @@ def test_a_profile_of_good_takes_is_active_with_report_and_thresholds(
 def test_with_the_profile_commands_are_taken_and_talk_does_nothing(
     profile: VoiceProfile, voice: VoiceConfig, base: EmbeddedRecognizer
 ) -> None:
-    in_force = dataclasses.replace(voice, profile=dataclasses.replace(voice.profile, name="ada"))
-    personal = personalise(in_force, base)
+    active = dataclasses.replace(voice, profile=dataclasses.replace(voice.profile, name="ada"))
+    personal = personalise(active, base)
     assert isinstance(personal, PersonalRecognizer)
-    ear = PipelineProbe(in_force, personal)
-    said = {phrase: ear(spoken(phrase, 1.05)).taken for phrase in voice.commands.phrases}
+    probe = PipelineProbe(active, personal)
+    said = {phrase: probe(spoken(phrase, 1.05)).taken for phrase in voice.commands.phrases}
     assert said == {phrase: (phrase,) for phrase in voice.commands.phrases}
-    heard = {text: ear(spoken(text)).taken for text in TALK_NOT_ENROLLED}
+    heard = {text: probe(spoken(text)).taken for text in TALK_NOT_ENROLLED}
     assert heard == dict.fromkeys(heard, ())
 
 

@@ -82,7 +82,7 @@ def test_events_are_read_until_the_device_is_gone_or_some_are_lost(tmp_path, the
     assert seen == [{"button 48": 1.0}, {"axis 1": 200.0}, *news]
 
 
-# A device that tells which keys are pressed, by a pipe whose ioctl is made up.
+# A device that reports which keys are pressed, by a pipe whose ioctl is made up.
 
 
 @pytest.fixture

@@ -36,19 +36,19 @@ class Machine:
 
 
 def test_what_stands_still_on_a_free_machine_hangs_once_the_time_is_over():
-    assert Machine(hear=0.0, beat=0.01).objection_after(0.95 * ALLOWED) == ""
-    words = Machine(hear=0.0, beat=0.01).objection_after(ALLOWED + 2 * TICK)
+    assert Machine(hear=0.0, heartbeat=0.01).objection_after(0.95 * ALLOWED) == ""
+    words = Machine(hear=0.0, heartbeat=0.01).objection_after(ALLOWED + 2 * TICK)
     assert re.fullmatch(r"recognition hangs: 0\.3\d s on one frame, allowed 0\.3 s", words)
 
 
 @pytest.mark.parametrize("who", ["hear", "holder_of_the_lock"])
 def test_what_gets_a_tenth_of_a_processor_does_not_hang(who):
-    shares = {"hear": 0.0, "beat": 0.0, who: 0.9}
+    shares = {"hear": 0.0, "heartbeat": 0.0, who: 0.9}
     assert Machine(**shares).objection_after(9 * ALLOWED) == ""
 
 
 def test_what_hangs_on_a_busy_machine_is_found_too_only_later():
-    shares = {"hear": 0.0, "beat": 0.5}
+    shares = {"hear": 0.0, "heartbeat": 0.5}
     assert Machine(**shares).objection_after(1.5 * ALLOWED) == ""
     assert "hangs" in Machine(**shares).objection_after(2.5 * ALLOWED)
 

@@ -64,8 +64,8 @@ def test_an_active_profile_brings_its_weights_thresholds_and_digest(
     assert isinstance(personal, PersonalRecognizer)
     change = personal.model.get_parameter("ctc.bias") - base.model.get_parameter("ctc.bias")
     torch.testing.assert_close(change, torch.ones_like(change), atol=0.01, rtol=0.0)
-    in_force, voiceprint = with_profile(settings)
-    assert in_force.commands.get("pull more").min_confidence == 0.9
+    active, voiceprint = with_profile(settings)
+    assert active.commands.get("pull more").min_confidence == 0.9
     assert voiceprint is None
     assert facts_of(personal) == {"profile": "ada", "profile_sha256": profile.digest}
 

@@ -59,9 +59,9 @@ def test_a_long_text_counts_when_written_once_and_a_short_one_when_written_twice
 
 
 def test_what_was_written_for_two_commands_belongs_to_none():
-    told = learn(gewebe_spannen=["stand by us"] * 2, jetzt_loslassen=["stand by us"] * 2)
-    assert told[0].commands == () and len(told[1]) == 2
-    assert "it was written for 'gewebe spannen', too" in told[1][1].why
+    found, refused = learn(gewebe_spannen=["stand by us"] * 2, jetzt_loslassen=["stand by us"] * 2)
+    assert found.commands == () and len(refused) == 2
+    assert "it was written for 'gewebe spannen', too" in refused[1].why
 
 
 def test_what_belongs_to_another_command_is_refused():
@@ -85,8 +85,8 @@ def test_nothing_is_learned_of_silence_or_of_what_is_right_already():
 
 def test_only_the_most_frequent_are_kept():
     texts = [f"{word} and the rest" for word in ("one", "owl", "red", "sky", "toy", "fur", "gym")]
-    told, refused = learn(gewebe_spannen=texts)
-    assert len(told.commands[0].learned) == MAX_SPELLINGS and "more frequent" in refused[0].why
+    found, refused = learn(gewebe_spannen=texts)
+    assert len(found.commands[0].learned) == MAX_SPELLINGS and "more frequent" in refused[0].why
 
 
 def test_the_profile_keeps_them_and_they_are_laid_over_the_commands():

@@ -35,7 +35,7 @@ def may_go_first():
     return os.geteuid() == 0 and not done.stderr
 
 
-def test_what_is_told_is_what_was_granted_also_to_threads_made_later():
+def test_what_is_reported_is_what_was_granted_also_to_threads_made_later():
     words, own, later = asked()
     assert own == later
     assert (words == "nice -10") == (own == "-10")

@@ -109,7 +109,7 @@ def test_the_end_of_a_hang_is_news_and_the_half_believed_counts_no_more(watched,
     assert watched.at(now + 0.21, since) == RecognitionStatus("", False)
 
 
-def test_without_a_spotter_a_hang_is_told_and_nothing_is_spotted():
+def test_without_a_spotter_a_hang_is_reported_and_nothing_is_spotted():
     watched = Watched(None)
     watched.at(BEGUN)
     assert watched.at(hung(watched) + 0.1).spotted is None

@@ -10,7 +10,7 @@ from voice_assist.config import load_voice_config
 from voice_assist.ros.robot.robot_speech import RobotSpeechTopic
 
 CONFIG = load_voice_config().audio.robot_speech
-TOLD = st.lists(st.tuples(st.booleans(), st.floats(0.0, 0.03)), max_size=50)
+REPORTS = st.lists(st.tuples(st.booleans(), st.floats(0.0, 0.03)), max_size=50)
 
 
 class Topic:
@@ -23,7 +23,7 @@ class Topic:
     def hear(self, by, name, kind, callback):
         self.by, self.name, self.callback = by, name, callback
 
-    def tell(self, is_speaking):
+    def report(self, is_speaking):
         self.callback(SimpleNamespace(data=is_speaking))
 
 
@@ -32,21 +32,21 @@ def topic():
     return Topic()
 
 
-def test_what_is_told_is_taken_once(topic):
+def test_what_is_reported_is_taken_once(topic):
     assert (topic.by, topic.name) == ("speaker", "voice_assist/speaking")
     topic.now = 3.0
-    topic.tell(True)
+    topic.report(True)
     assert topic.topic.take() == [RobotSpeechChange(True, 3.0)]
     assert topic.topic.take() == []
 
 
-@given(TOLD)
+@given(REPORTS)
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_however_often_it_is_told_no_more_than_two_are_left_that_mean_the_same(topic, told):
+def test_however_often_it_is_reported_no_more_than_two_are_left_that_mean_the_same(topic, reports):
     topic.now, everything, left = 0.0, RobotSpeech(CONFIG), RobotSpeech(CONFIG)
-    for is_speaking, later in told:
+    for is_speaking, later in reports:
         topic.now += later
-        topic.tell(is_speaking)
+        topic.report(is_speaking)
         everything.update(RobotSpeechChange(is_speaking, topic.now))
     taken = topic.topic.take()
     assert len(taken) <= 2

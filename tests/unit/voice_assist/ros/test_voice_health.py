@@ -22,25 +22,25 @@ def healthy(source="none", **health):
     return diagnostics.VoiceHealth("none", source, 60, trouble="", **health)
 
 
-def told(now, **health):
+def summary(now, **health):
     health = diagnostics.VoiceHealth(model="none", source="none", capacity=60, **health)
     return diagnostics._summary(health, now, LIMIT)
 
 
 def test_an_open_source_without_sound_so_far_is_not_called_slow():
-    level, words, fault = told(10.0, trouble="")
+    level, words, fault = summary(10.0, trouble="")
     assert level == DiagnosticStatus.ERROR and words.startswith("no sound has come yet")
     assert fault is HearingFault.NO_SOUND_YET
 
 
 def test_what_is_wrong_with_the_source_goes_before():
-    assert told(10.0) == (DiagnosticStatus.ERROR, "starting", HearingFault.NO_SOUND)
+    assert summary(10.0) == (DiagnosticStatus.ERROR, "starting", HearingFault.NO_SOUND)
 
 
 def test_fresh_sound_is_listening_and_old_or_late_sound_is_an_error():
-    assert told(10.0, trouble="", frame_done=9.9) == (DiagnosticStatus.OK, "listening", None)
+    assert summary(10.0, trouble="", frame_done=9.9) == (DiagnosticStatus.OK, "listening", None)
     for late in ({"frame_done": 9.4}, {"frame_done": 9.9, "behind": 0.6}):
-        level, _, fault = told(10.0, trouble="", **late)
+        level, _, fault = summary(10.0, trouble="", **late)
         assert level == DiagnosticStatus.ERROR and fault is HearingFault.SLOW
 
 
@@ -51,7 +51,7 @@ def test_sound_that_is_stamped_ahead_counts_as_much_as_late_sound(behind, hears)
 
 
 def test_sound_that_is_stamped_ahead_is_named_and_not_called_slow():
-    level, words, fault = told(10.0, trouble="", frame_done=9.9, behind=-8.0)
+    level, words, fault = summary(10.0, trouble="", frame_done=9.9, behind=-8.0)
     assert level == DiagnosticStatus.ERROR and fault is HearingFault.CLOCKS
     assert words == "the sound is stamped 8.0 s ahead, allowed 0.5 s: set the clocks"
 
@@ -140,6 +140,6 @@ def test_what_is_said_of_one_microphone_is_not_said_of_the_next():
 
 def test_what_is_wrong_goes_before_a_remark():
     heard = {"trouble": "", "frame_done": 9.9, "remark": "channel 2 is turned over"}
-    assert told(10.0, **heard)[1] == heard["remark"]
-    assert told(10.0, **heard, queued=31)[1] == "recognition falls behind"
-    assert told(10.0, **heard, clipped=0.5)[1].startswith("the microphone clips")
+    assert summary(10.0, **heard)[1] == heard["remark"]
+    assert summary(10.0, **heard, queued=31)[1] == "recognition falls behind"
+    assert summary(10.0, **heard, clipped=0.5)[1].startswith("the microphone clips")

@@ -28,7 +28,7 @@ def test_a_changed_file_is_refused(tmp_path):
         openai_name(file)
 
 
-def test_a_missing_file_is_told_in_words(tmp_path):
+def test_a_missing_file_is_named_in_words(tmp_path):
     command = [
         sys.executable,
         "-m",

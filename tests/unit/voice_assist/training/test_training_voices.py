@@ -31,7 +31,7 @@ def test_languages_with_one_such_vowel_make_pull_of_pool(text: str) -> None:
 
 @pytest.mark.parametrize("text", ["tents", "dense", "least", "full more", "shop", "terminal"])
 @pytest.mark.parametrize("accent", ["en-us", "en-gb-scotland", voices.HELD_OUT_ACCENT])
-def test_near_misses_that_can_be_told_apart_are_no_homophones(text: str, accent: str) -> None:
+def test_near_misses_that_can_be_distinguished_are_no_homophones(text: str, accent: str) -> None:
     assert not same_as_command(text, "espeak", f"{accent}+Mario")
 
 

@@ -26,7 +26,7 @@ def clouds(count=60, apart=6.0):
     return Examples(seen, is_said, np.array(names))
 
 
-def test_the_weights_tell_the_kinds_apart_and_odds_of_nearly_all_said_are_above_zero():
+def test_the_weights_separate_the_kinds_and_odds_of_nearly_all_said_are_above_zero():
     some = clouds()
     weights, figures = train(some)
     odds = some.seen @ weights[:-1] + weights[-1]

@@ -31,7 +31,7 @@ def rows_of(config, *parts):
     return analysis.command_rows(session(*parts), config)
 
 
-def test_the_story_is_told_in_order(data, report_config):
+def test_the_commands_are_listed_in_order(data, report_config):
     rows = analysis.command_rows(data, report_config)
     assert [row.command for row in rows] == [
         "hey robot",
@@ -152,7 +152,7 @@ def test_a_refusal_has_no_action(report_config):
     assert math.isnan(row.action_latency)
 
 
-def test_a_command_that_the_controller_never_answered_is_told(report_config):
+def test_a_command_that_the_controller_never_answered_is_reported(report_config):
     (row,) = rows_of(report_config, [heard("tense", 0.8, 1.0)], [])
     assert (row.outcome, row.action) == ("no answer", None)
 

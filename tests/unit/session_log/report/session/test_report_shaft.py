@@ -56,7 +56,7 @@ def test_a_model_that_does_not_fit_says_why(text, why):
         poses(text, "base", "tip", {"q": np.zeros(3)})
 
 
-def test_the_error_is_the_distance_from_the_trocar_in_force(data, report_config):
+def test_the_error_is_the_distance_from_the_active_trocar(data, report_config):
     found = rcm_from_joints(data, report_config)
     assert found.lacking == ""
     before, after = found.time < TROCAR_CHANGE, found.time > TROCAR_CHANGE + 0.01

@@ -23,7 +23,7 @@ def test_a_stop_in_motion_is_one_row_with_its_cause_and_braking_time():
     assert stop.at_rest == pytest.approx(0.1)
 
 
-def test_a_watchdog_is_told_from_when_braking_began():
+def test_a_stop_by_a_watchdog_begins_with_its_braking():
     events = [
         RecordedEvent(5.1, "at_rest", "tense", OVER),
         RecordedEvent(5.1, "halted", "tense", OVER),

@@ -50,20 +50,20 @@ class Base(FakeRecognizer):
     model_hash = "ab" * 32
 
 
-def make_desk(root: Path) -> tuple[EnrolmentService, Room]:
+def make_service(root: Path) -> tuple[EnrolmentService, Room]:
     room = Room()
     args = VOICE, CONFIG, Base({"stop": 9.0}), root, room.listen, lambda: room.is_armed
     return EnrolmentService(*args), room
 
 
 def test_a_screen_is_led_through_the_script(tmp_path: Path) -> None:
-    desk, room = make_desk(tmp_path)
-    result = desk("ada", "next")
+    service, room = make_service(tmp_path)
+    result = service("ada", "next")
     assert result.step is not None
     assert result.step.kind == "room"
     room.said = ["", "hey robot", "tense"]
     for expected in ("hey robot", "tense", "release"):
-        result = desk("ada", "record")
+        result = service("ada", "record")
         assert result.success, result.message
         assert result.step is not None
         assert result.step.phrase == expected
@@ -71,10 +71,10 @@ def test_a_screen_is_led_through_the_script(tmp_path: Path) -> None:
 
 
 def test_a_wrong_word_is_asked_for_again(tmp_path: Path) -> None:
-    desk, room = make_desk(tmp_path)
+    service, room = make_service(tmp_path)
     room.said = ["", "stop"]
-    desk("ada", "record")
-    result = desk("ada", "record")
+    service("ada", "record")
+    result = service("ada", "record")
     assert not result.success
     assert "wrong word: 'stop' was heard" in result.message
     assert result.step is not None
@@ -82,71 +82,71 @@ def test_a_wrong_word_is_asked_for_again(tmp_path: Path) -> None:
 
 
 def test_what_a_terminal_did_meanwhile_is_gone_on_from(tmp_path: Path) -> None:
-    desk, room = make_desk(tmp_path)
+    service, room = make_service(tmp_path)
     room.said = ["", "tense"]
-    desk("ada", "record")
+    service("ada", "record")
     terminal = open_profile("ada", tmp_path)
     take = terminal.manifest.takes[0]
     terminal.add_take(
         say("hey robot", 0.5, 0.5), dataclasses.replace(take, kind=COMMAND, phrase="hey robot")
     )
-    result = desk("ada", "record")
+    result = service("ada", "record")
     assert result.success, result.message
     takes = open_profile("ada", tmp_path).manifest.takes
     assert [take.phrase for take in takes] == ["", "hey robot", "tense"]
 
 
 def test_what_a_terminal_did_while_a_take_was_recorded_is_kept(tmp_path: Path) -> None:
-    desk, room = make_desk(tmp_path)
+    service, room = make_service(tmp_path)
     room.said = ["", "hey robot"]
-    desk("ada", "record")
+    service("ada", "record")
     listen = room.listen
 
     def interrupted() -> Iterator[Frame]:
         open_profile("ada", tmp_path).put("note.txt", b"by a terminal")
         yield from listen()
 
-    desk._listen = interrupted
-    assert desk("ada", "record").success
+    service._listen = interrupted
+    assert service("ada", "record").success
     assert open_profile("ada", tmp_path).read("note.txt") == b"by a terminal"
 
 
 def test_a_profile_that_was_deleted_meanwhile_begins_anew(tmp_path: Path) -> None:
-    desk, room = make_desk(tmp_path)
+    service, room = make_service(tmp_path)
     room.said = [""]
-    desk("ada", "record")
+    service("ada", "record")
     delete_profile("ada", tmp_path)
-    result = desk("ada", "next")
+    result = service("ada", "next")
     assert result.step is not None
     assert result.step.kind == "room"
     assert open_profile("ada", tmp_path).manifest.takes == ()
 
 
 def test_a_profile_that_was_deleted_while_a_take_was_recorded_is_named(tmp_path: Path) -> None:
-    desk, _ = make_desk(tmp_path)
-    desk("ada", "next")
+    service, _ = make_service(tmp_path)
+    service("ada", "next")
 
     def interrupted() -> Iterator[Frame]:
         delete_profile("ada", tmp_path)
         yield from frames(silence(5.0).astype(np.float32))
 
-    desk._listen = interrupted
-    result = desk("ada", "record")
+    service._listen = interrupted
+    result = service("ada", "record")
     assert not result.success
     assert "no profile 'ada'" in result.message
     assert not (tmp_path / "ada").exists()
 
 
 def test_a_take_unlike_the_base_is_kept_when_it_comes_again(tmp_path: Path) -> None:
-    desk, room = make_desk(tmp_path)
+    service, room = make_service(tmp_path)
     room.said = ["", "mumble", "mumble"]
-    assert [desk("ada", "record").success for _ in range(3)] == [True, False, True]
+    assert [service("ada", "record").success for _ in range(3)] == [True, False, True]
 
 
 def test_nothing_is_recorded_while_commands_move_the_robot(tmp_path: Path) -> None:
-    desk, room = make_desk(tmp_path)
+    service, room = make_service(tmp_path)
     room.is_armed = True
-    result = desk("ada", "record")
+    result = service("ada", "record")
     assert not result.success
     assert "say terminate before you enrol" in result.message
     assert not open_profile("ada", tmp_path).manifest.takes
@@ -161,7 +161,7 @@ def test_nothing_is_recorded_while_commands_move_the_robot(tmp_path: Path) -> No
     ],
 )
 def test_what_cannot_be_done_is_named(tmp_path: Path, name: str, action: str, message: str) -> None:
-    result = make_desk(tmp_path)[0](name, action)
+    result = make_service(tmp_path)[0](name, action)
     assert not result.success
     assert message in result.message
 
