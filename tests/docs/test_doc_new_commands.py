@@ -80,13 +80,13 @@ def test_every_line_of_the_page_does_what_the_page_says(tmp_path, monkeypatch, c
 def test_the_table_of_the_endoscope_is_that_of_its_commands():
     commands = load_config(CommandsConfig, load_yaml(CONFIG_DIR / "endoscope_commands.yaml"))
     rows = re.findall(r"^\| ((?:go|upper|zoom).*?) \| (look .*?) \|", PAGE, re.MULTILINE)
-    told = {
+    documented = {
         phrase: call
         for phrases, calls in rows
         for phrase, call in zip(phrases.split(", "), calls.split(", "), strict=True)
     }
-    assert told == {c.phrase: c.command for c in commands.commands if c.is_motion}
-    assert set(told.values()) == set(STEPS)
+    assert documented == {c.phrase: c.command for c in commands.commands if c.is_motion}
+    assert set(documented.values()) == set(STEPS)
 
 
 def test_what_is_no_direction_of_the_endoscope_is_no_command():

@@ -38,8 +38,8 @@ def test_at_worst_it_holds_names_it_and_goes_on_after_hey_robot(host, tmp_path):
     for one in found:
         assert one["drift"] < HELD and one["step"] < STEP and one["rcm"] < RCM, one
     jumps = {f"{one['jump']:+.1f}" for one in found}
-    told = re.findall(r"the wall clock was set by (\S+) s", said)
-    assert {f"{float(one):+.1f}" for one in told} == jumps
+    reported = re.findall(r"the wall clock was set by (\S+) s", said)
+    assert {f"{float(one):+.1f}" for one in reported} == jumps
     assert {one["whose"] for one in found if one["state"] == "faulted"} == set(JUMPS)
 
 

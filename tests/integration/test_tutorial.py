@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""docs/tutorial.md in its order, in terminals that know only what the page told them.
+"""docs/tutorial.md in its order, in terminals that use only what the page says.
 
 Only settings are added, for a machine that may pause and for motions that take less time.
 """

@@ -27,6 +27,7 @@ from tests.unit.voice_assist.support.fake_speech import say
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = Path(__file__).parent / "programs"
+NODE = [sys.executable, str(PROGRAMS / "fake_voice_node.py"), "__name:=voice_assist"]
 HANG = 30.0  # [s] as in voice_witness.py
 LOOK, LONGER = 0.2, 1.0  # [s] between two looks at what was seen, and after the last one
 DEBUG, INFO, WARN, ERROR = 1, 2, 4, 8
@@ -53,21 +54,14 @@ def watch(master, folder, is_enough, behaviour=(), **settings):
     def read():
         return {**json.loads(out.read_text("utf-8")), "printed": printed.read_text("utf-8")}
 
-    given = {"audio/source": "wav", **settings}
-    load(master, given)
-    witness = [
-        sys.executable,
-        str(PROGRAMS / "voice_witness.py"),
-        str(out),
-        *behaviour,
-    ]
-    node = [sys.executable, str(PROGRAMS / "fake_voice_node.py"), "__name:=voice_assist"]
+    load(master, {"audio/source": "wav", **settings})
+    witness = [sys.executable, str(PROGRAMS / "voice_witness.py"), str(out), *behaviour]
     processes = []
     try:
         processes.append(subprocess.Popen(witness, env=master))
         wait_until(out.exists, "the witness")
         with printed.open("wb") as file:
-            processes.append(subprocess.Popen(node, env=master, stdout=file, stderr=file))
+            processes.append(subprocess.Popen(NODE, env=master, stdout=file, stderr=file))
         with suppress(RuntimeError):  # what is missing is shown by who asks for it
             wait_until(lambda: is_enough(read()), every=LOOK)
             time.sleep(LONGER)
@@ -133,7 +127,7 @@ def test_the_mode_follows_the_words(session):
     assert firsts(session, "mode") == ["standby", "active", "standby"]
 
 
-def test_every_utterance_is_told_with_its_error_rates(session):
+def test_every_utterance_is_published_with_its_error_rates(session):
     taken = [(entry[0], entry[1]) for entry in session["utterance"]]
     assert taken == [
         ("tense", ""),
@@ -154,7 +148,7 @@ def test_a_refusal_by_the_controller_is_shown(session):
     assert "pull more refused: nothing is grasped" in warnings
 
 
-def test_replies_are_told_in_words_that_may_be_said_aloud(session):
+def test_replies_are_given_in_words_that_may_be_said_aloud(session):
     assert firsts(session, "say") == [
         "arm it is",
         "tightens it is",
@@ -211,11 +205,11 @@ def test_without_a_controller_that_is_said_and_hearing_goes_on(master, tmp_path)
     settings = {"audio/wav/path": tmp_path / "sound.wav"}
     missing = "controller is missing"
 
-    def is_told(seen):
+    def is_reported(seen):
         said = [entry[1] for entry in seen.get("diagnostics", [])]
         return len(firsts(seen, "utterance")) == 2 and any(missing in words for words in said)
 
-    seen = watch(master, tmp_path, is_told, ["service=missing"], **settings)
+    seen = watch(master, tmp_path, is_reported, ["service=missing"], **settings)
     assert [entry[1] for entry in seen["utterance"]] == ["hey robot", "tense"]
     warnings = [entry[2] for entry in seen["log"] if entry[1] == WARN]
     assert any("hey robot refused: the robot's controller is missing" in w for w in warnings)
@@ -258,30 +252,30 @@ def test_a_microphone_that_is_muted_or_overloaded_is_named_and_sends_no_heartbea
         finally:
             over.set()
             playing.join()
-    told = faults(seen)
-    assert any("gives one value alone for 1.5 s" in words for words, _ in told), told
-    assert any("is overloaded for 1.5 s" in words for words, _ in told), told
+    reported = faults(seen)
+    assert any("gives one value alone for 1.5 s" in words for words, _ in reported), reported
+    assert any("is overloaded for 1.5 s" in words for words, _ in reported), reported
     well = [at for _, _, words, at in seen["log"] if words == "sound comes in"]
     beats = [at for *_, at in seen["heartbeat"]]
-    for _, at in told:
+    for _, at in reported:
         end = min((one for one in well if one > at), default=at)
         assert not [beat for beat in beats if at + 0.2 < beat < end - 0.2], "deaf, and it went on"
-    assert any(beat > min(at for _, at in told) for beat in beats), "it came back"
+    assert any(beat > min(at for _, at in reported) for beat in beats), "it came back"
     assert any("muted, or dead" in entry[1] for entry in seen["diagnostics"])
 
 
 def faults(seen):
-    """Errors of a microphone, and when each was told."""
+    """Errors of a microphone, and when each was reported."""
     return [(words, at) for _, level, words, at in seen.get("log", []) if level == ERROR]
 
 
 def has_come_back(seen):
-    """Both faults were told, and heard sound after them: beats come."""
-    told = faults(seen)
-    kinds = {kind for kind in ("one value", "overloaded") for words, _ in told if kind in words}
+    """Both faults were reported, and heartbeats came after them."""
+    reported = faults(seen)
+    kinds = {kind for kind in ("one value", "overloaded") for words, _ in reported if kind in words}
     beats = [at for *_, at in seen.get("heartbeat", [])]
     muted = any("muted, or dead" in entry[1] for entry in seen.get("diagnostics", []))
-    return len(kinds) == 2 and muted and beats[-1] > max(at for _, at in told)
+    return len(kinds) == 2 and muted and beats[-1] > max(at for _, at in reported)
 
 
 @contextmanager
@@ -340,8 +334,7 @@ def test_what_a_recording_has_said_is_not_said_again_after_a_crash(master, tmp_p
 
 def test_a_recording_that_cannot_be_read_ends_it_with_one_line(master, tmp_path):
     load(master, {"audio/source": "wav", "audio/wav/path": tmp_path / "none.wav"})
-    node = [sys.executable, str(PROGRAMS / "fake_voice_node.py"), "__name:=voice_assist"]
-    done = subprocess.run(node, env=master, capture_output=True, text=True, timeout=PATIENCE)
+    done = subprocess.run(NODE, env=master, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 2
     said = (done.stdout + done.stderr).splitlines()
     assert len([line for line in said if "none.wav: no such file" in line]) == 1
@@ -350,9 +343,7 @@ def test_a_recording_that_cannot_be_read_ends_it_with_one_line(master, tmp_path)
 
 def test_a_wrong_setting_ends_it_at_once_with_the_reason(master):
     load(master, {"audio/vad/detector": "magic"})
-    node = [sys.executable, str(PROGRAMS / "fake_voice_node.py"), "__name:=voice_assist"]
-    done = subprocess.run(node, env=master, capture_output=True, text=True, timeout=PATIENCE)
+    done = subprocess.run(NODE, env=master, capture_output=True, text=True, timeout=PATIENCE)
     assert done.returncode == 2
-    assert "audio.vad.detector is 'magic', allowed: one of silero, energy, either" in (
-        done.stdout + done.stderr
-    )
+    words = "audio.vad.detector is 'magic', allowed: one of silero, energy, either"
+    assert words in done.stdout + done.stderr

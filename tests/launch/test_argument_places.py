@@ -26,7 +26,7 @@ def reading(file, *more):
 
 @pytest.fixture(scope="module")
 def sample(tmp_path_factory):
-    """A value that can be told from the default: files get a setting of their own."""
+    """A value that differs from the default; files get a setting of their own."""
     folder = tmp_path_factory.mktemp("own settings")
 
     def sample(word):

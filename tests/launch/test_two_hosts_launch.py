@@ -33,7 +33,7 @@ def by_name(*arguments):
     [(ON_ROBOT, "203.0.113.1"), (ON_VOICE, "203.0.113.2")],
     ids=["robot", "voice"],
 )
-def test_each_part_runs_on_its_host_and_tells_that_hosts_address(names, address, monkeypatch):
+def test_each_part_runs_on_its_host_and_announces_that_hosts_address(names, address, monkeypatch):
     monkeypatch.setattr(rosgraph.network, "get_local_addresses", lambda: ["127.0.0.1"])
     found = by_name(*ADDRESSES)
     assert set(found) == ON_ROBOT | ON_VOICE

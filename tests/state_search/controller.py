@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The real executor as a graph: every state that any inputs lead to, each input tried in each.
 
-Executor, mover, motion, watchdogs, ledger and lifecycle are the product's own. Only what a phase
-does with numbers is left to chance: it goes on until an input says that it has arrived. States are
-told apart by all that a later tick may depend on (`Controller.key`); that they are, is tested.
+Executor, set-point, motion, watchdogs, event log and state machine are the product's own. What a
+phase does with numbers is left out: it goes on until an input says that it has arrived. States are
+distinguished by all that a later tick may depend on (`Controller.key`). A test checks that.
 """
 
 from __future__ import annotations
@@ -128,9 +128,9 @@ def _place(position):
     return TrocarPose(0.02 if is_off else 0.0, 0.1, 0.1, -0.1, is_outside=False)
 
 
-def _jaws(mover):
+def _jaws(setpoint):
     """Opening that they are sent to, or were before the set-point was forgotten [rad]."""
-    sent = mover._sent_to if mover.held is None else planning_joints(mover.held)[1]
+    sent = setpoint._sent_to if setpoint.held is None else planning_joints(setpoint.held)[1]
     return round(float(sent), 3)
 
 
@@ -156,25 +156,25 @@ class Controller:
         twin = _twin(self)
         executor = twin.executor = _twin(self.executor)
         executor._inbox, executor._robot = Inbox(), _twin(executor._robot)
-        waking = executor._fault_reset = _twin(executor._fault_reset)
-        waking._objection, waking._refuse = executor._cannot_activate, executor._refuse
+        fault_reset = executor._fault_reset = _twin(executor._fault_reset)
+        fault_reset._objection, fault_reset._refuse = executor._cannot_activate, executor._refuse
         executor._event_log = _twin(executor._event_log)
         executor._event_log.events = deque()
-        mover = executor._setpoint_state = _twin(executor._setpoint_state)
-        if mover.motion is not None:
-            motion = mover.motion = _twin(mover.motion)
+        setpoint = executor._setpoint_state = _twin(executor._setpoint_state)
+        if setpoint.motion is not None:
+            motion = setpoint.motion = _twin(setpoint.motion)
             motion._waiting, motion._run = deque(motion._waiting), _twin(motion._run)
         return twin
 
     def key(self):
         """All that later ticks depend on, but for words and times."""
         executor = self.executor
-        mode, mover = executor._mode, executor._setpoint_state
+        mode, setpoint = executor._mode, executor._setpoint_state
         return (
             *(mode.state, mode.is_active, mode.mode_after),
-            *(self._moving(), _where(mover.held), mover.grasp is None),
+            *(self._moving(), _where(setpoint.held), setpoint.grasp is None),
             *(executor._event_log.order is None, mode.cause is not None),
-            _jaws(mover),
+            _jaws(setpoint),
             executor._fault_reset._waiting is None,
         )
 
@@ -287,7 +287,7 @@ def explore(given=None, deepest=None, is_first_enough=False):
     given, start = given or inputs(), Controller()
     graph = Graph({}, {start.key(): start}, {start.key(): ()}, [])
     waiting = deque([start.key()])
-    logging.disable(logging.CRITICAL)  # each crash would be told in full
+    logging.disable(logging.CRITICAL)  # each crash would be logged in full
     with _no_garbage():
         try:
             _widen(graph, waiting, given, deepest, is_first_enough)

@@ -89,18 +89,18 @@ def _is_taken_from(found, was, held):
 
 
 def _number(before, edge):
-    """Whatever verification looks at has not changed, or the number that says so has."""
+    """What verification reads has not changed, or the number that says so has."""
 
     def seen(key):
-        state, is_active, then, moving, *held_and_grasp = key[:6]
-        return state, is_active, then, moving is None, held_and_grasp
+        state, is_active, mode_after, moving, *held_and_grasp = key[:6]
+        return state, is_active, mode_after, moving is None, held_and_grasp
 
     if edge.has_changed or seen(before) == seen(edge.to):
         return ""
     return "the situation changed, and its number did not"
 
 
-def is_latched(state, then):
+def is_latched(state, mode_after):
     """Halted or faulted, or braking towards it."""
     latched = (State.HALTED, State.FAULTED)
-    return state in latched or (state is State.STOPPING and then in latched)
+    return state in latched or (state is State.STOPPING and mode_after in latched)

@@ -275,7 +275,7 @@ class Search:
         return self.graph.example[self.keys[controller]].executor._take_snapshot()
 
     def _refused(self, controller, command):
-        """Whether verification's own look at the mode refuses a command."""
+        """Whether verification's own check of the mode refuses a command."""
         return mode_refusal(command, self._view(controller).mode) is not None
 
     def _passes(self, command, is_recorded):

@@ -43,7 +43,7 @@ def search(graph, request):
     return Search(graph, request.param).run()
 
 
-def told(objections):
+def shortest_ways(objections):
     """The shortest way to each, for people."""
     return {words: " ; ".join(map(str, way)) for words, way in reversed(objections)}
 
@@ -58,12 +58,12 @@ def test_every_command_and_every_state_is_in_the_search(graph):
 
 
 def test_no_sequence_of_events_breaks_an_invariant_of_the_controller(graph):
-    assert told(graph.objections) == {}
+    assert shortest_ways(graph.objections) == {}
     assert 50 < len(graph.edges) < 1000 and graph.depth <= DEPTH
 
 
-def test_no_sequence_through_dialogue_desk_and_recording_moves_what_must_not_move(search):
-    assert told(search.objections) == {}
+def test_no_sequence_through_dialogue_queue_and_recording_moves_what_must_not_move(search):
+    assert shortest_ways(search.objections) == {}
     assert len(search.found) > 1000 and search.transitions > 50_000
 
 
@@ -220,7 +220,7 @@ def test_a_broken_rule_of_the_controller_is_found(fault, monkeypatch):
 
 
 def test_the_few_inputs_find_nothing_where_no_rule_is_broken():
-    assert told(explore(FEW).objections) == {}
+    assert shortest_ways(explore(FEW).objections) == {}
 
 
 def a_recorder_nobody_asks_for(patch):

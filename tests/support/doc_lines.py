@@ -85,7 +85,7 @@ def markers() -> list[Marker]:
 
 
 def marker_of(line: DocLine) -> Marker | None:
-    """What is said of a line, by the marker that tells most of it; None: nothing."""
+    """What is said of a line, by the marker with the longest beginning; None: nothing."""
     covering = [marker for marker in markers() if marker.covers(line)]
     return max(covering, key=lambda marker: len(marker.begins), default=None)
 

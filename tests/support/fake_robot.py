@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A robot without physics for tests: it does what it is told, and fails on demand."""
+"""A robot without physics for tests: it goes where it is sent, and fails on demand."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class FakeRobot:
         self.setpoints: list[Setpoint] = []  # all that were sent, in order
         self.hold_count, self.clear_count = 0, 0
         self.fault, self.is_connected = "", True
-        self.sent_to: Vector | None = None  # what it tells of where it holds
+        self.sent_to: Vector | None = None  # where it says that it holds
         self.clears_fault = True  # whether `clear_fault` has an effect
 
     def measured_js(self) -> Measurement:

@@ -118,7 +118,7 @@ def test_held_tissue_reports_the_force_of_its_stretch():
 
 @pytest.mark.parametrize("rate", [1000.0, 500.0])
 def test_the_physics_runs_at_the_rate_of_the_settings(rate):
-    """PyBullet steps at 240 Hz unless told, where the RCM error of motion is 20 times larger."""
+    """PyBullet steps at 240 Hz by default, where the RCM error of motion is 20 times larger."""
     with PybulletRobot(simulator(physics_rate=rate)) as robot:
         parameters = pybullet.getPhysicsEngineParameters(physicsClientId=robot._physics._client)
         assert parameters["fixedTimeStep"] == robot.time_step == 1.0 / rate
@@ -127,7 +127,7 @@ def test_the_physics_runs_at_the_rate_of_the_settings(rate):
 
 
 def test_the_shipped_physics_runs_at_a_kilohertz():
-    """Whoever wants less must say so, and is told what it costs where he says it."""
+    """A lower rate must be set; the comment of that setting names what it costs."""
     assert SIMULATION.simulator.physics_rate == 1000.0
 
 

@@ -118,7 +118,7 @@ def test_without_speech_there_is_no_command(embedded, silero, sound):
 
 
 def test_the_recogniser_is_primed_with_no_words(embedded, tmp_path):
-    """What a decoder is told beforehand it tends to write: it is told nothing but to begin."""
+    """A decoder tends to write the words of its prompt: this prompt only begins the text."""
     tokenizer = whisper.tokenizer.get_tokenizer(multilingual=False)
     assert len(PROMPT) == 2  # begin, no time stamps
     options = openai_recognizer(tmp_path)._task.options
@@ -169,7 +169,7 @@ def test_stop_listening_is_not_start_listening():
 
 @pytest.mark.parametrize("words", ["stock listening", "store listening", "stop glistening"])
 def test_a_word_between_two_commands_is_neither(words):
-    """What lies near two commands of opposite meaning is told, and not taken for either."""
+    """What lies near two commands of opposite meaning is taken for neither."""
     assert isinstance(Mapper(with_listening())(words), NoMatch)
 
 
@@ -249,7 +249,7 @@ class Listener(FakeRecognizer):
 @pytest.mark.parametrize(
     ("mode", "is_raw"), [(None, True), ("endpointing_only", True), ("off", True), ("on", False)]
 )
-def test_the_recogniser_hears_the_sound_as_it_is_unless_told_otherwise(mode, is_raw):
+def test_the_recogniser_hears_the_sound_as_it_is_unless_set_otherwise(mode, is_raw):
     """Noise reduction before a recogniser often raises its error rate; by default there is none."""
     config = load_voice_config()
     if mode is None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Answers the voice node's calls in place of the controller; for test_replay.py.
+"""Answers the voice node's calls in place of the controller; for test_session_replay.py.
 
 Argument: a file to touch once the service is there. "tense" is refused, everything else accepted.
 """

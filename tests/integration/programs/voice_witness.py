@@ -2,8 +2,8 @@
 """Serves the robot's commands and writes down all that the voice node does; for test_voice_node.py.
 
 Arguments: file to write, again and again until Ctrl-C, then pairs: command=refuse, command=hang,
-service=missing, robot=speaking, which is told from the beginning on, play=FILE, which is published
-on the topic audio_in, or play_data=FILE, as other packages do on audio/audio.
+service=missing, robot=speaking, which is reported from the beginning on, play=FILE, which is
+published on the topic audio_in, or play_data=FILE, as other packages do on audio/audio.
 """
 
 import json

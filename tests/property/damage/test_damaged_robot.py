@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A URDF that is damaged: refused in words, or the model is the very same.
 
-A digit that becomes another digit makes another robot, which nothing but a person can tell from
-the right one; such a model has to keep all bounds at least.
+A digit that becomes another digit makes another robot. Only a person can distinguish it from the
+right one. Such a model has to keep all bounds at least.
 """
 
 import random

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Whatever happened to a file: recovery never raises, tells what is lost, and invents nothing."""
+"""Whatever happened to a file: recovery never raises, reports what is lost, and invents nothing."""
 
 from __future__ import annotations
 
@@ -152,7 +152,7 @@ def test_no_damage_stops_recovery_or_goes_unsaid(recordings, tmp_path_factory, n
 def test_every_recovered_message_stands_in_the_file_as_it_was_recorded(
     recordings, tmp_path_factory, name, spoils
 ):
-    """Byte for byte a record of the file: none is put together from pieces, or told twice."""
+    """Byte for byte a record of the file: none is put together from pieces, or given twice."""
     content = recordings[name].content
     for spoil in spoils:
         content = spoil(content)
@@ -207,7 +207,7 @@ def test_lengths_that_lie_cost_neither_memory_nor_messages(recordings, tmp_path)
 
 
 @pytest.mark.parametrize("name", ["closed", "killed"])
-def test_one_bit_of_a_payload_costs_its_commit_alone_and_is_told(recordings, tmp_path, name):
+def test_one_bit_of_a_payload_costs_its_commit_alone_and_is_reported(recordings, tmp_path, name):
     recording = recordings[name]
     content = bytearray(recording.content)
     content[recording.places[41][1] - 1] ^= 1

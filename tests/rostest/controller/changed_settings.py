@@ -9,7 +9,7 @@ from tests.support.robot_client import RobotTest, run_tests
 
 LIMIT = "controller/controller/tension/limit"
 KEPT = "robot/launched"
-LOOKED, TWICE = 3.0, 5.0  # [s] in which the controller looks at the server, every 2 s
+ONCE, TWICE = 3.0, 5.0  # [s] in which the controller reads the server so often, every 2 s
 
 
 class ChangedSettings(RobotTest):
@@ -36,7 +36,7 @@ class ChangedSettings(RobotTest):
 
     def test_2_who_has_read_it_may_go_on_with_those_of_the_launch(self):
         self.robot.activate()
-        rospy.sleep(LOOKED)
+        rospy.sleep(ONCE)
         self.assertEqual(self.robot.state.state, "active")
 
     def test_3_another_difference_latches_again(self):

@@ -97,7 +97,7 @@ class CommandsByHand(RobotTest):
         self.robot.say("stop")
         self.robot.wait_for_state("halted")
 
-    def test_9_every_answer_is_in_the_diary(self):
+    def test_9_every_answer_is_in_the_event_log(self):
         answers = {"accepted", "refused", "motion_started", "motion_finished"}
         wanted = answers | {"stop_received", "halted"}
         self.robot.wait(lambda: wanted <= {event.kind for event in self.robot.events})
@@ -105,9 +105,9 @@ class CommandsByHand(RobotTest):
     def test_9_after_all_of_them_the_log_has_said_once_that_nothing_is_recorded(self):
         words = "not recorded: no recorder was ever heard"
         self.robot.wait(lambda: self.statuses.get("rst_control: recording") == words)
-        told = [line for line in self.said if "not recorded" in line]
-        self.assertLessEqual(len(told), 1)  # none if it was said before this test listened
-        self.assertTrue(all(line == f"{words}; ignored, as it was set" for line in told))
+        reported = [line for line in self.said if "not recorded" in line]
+        self.assertLessEqual(len(reported), 1)  # none if it was said before this test listened
+        self.assertTrue(all(line == f"{words}; ignored, as it was set" for line in reported))
 
 
 if __name__ == "__main__":

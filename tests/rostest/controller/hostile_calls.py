@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Floods, junk and strangers at every door of the controller: nothing moves by them, a stop stops.
+"""Floods, junk and strangers at every service, topic and port: nothing moves by them, a stop stops.
 
 How well the loop keeps its times meanwhile is measured by bench/safety/flood.py.
 """
@@ -87,7 +87,7 @@ class HostileCalls(RobotTest):
         with Flood(JUNK):
             self.assert_moves_and_stops()
 
-    def test_3_a_caller_who_floods_is_told_the_limits_and_may_still_stop(self):
+    def test_3_a_caller_who_floods_is_refused_with_the_limits_and_may_still_stop(self):
         with Peer("/hasty") as peer:
             self.assertEqual(peer.greet()["type"], "rst_control/Command")
             answers = [peer.call("dance") for _ in range(80)]

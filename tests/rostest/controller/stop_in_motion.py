@@ -12,7 +12,7 @@ from tests.support.robot_client import RobotTest, run_tests
 
 
 class StopInMotion(RobotTest):
-    """Each test sets the robot moving, stops it and looks whether it stays stopped."""
+    """Each test sets the robot moving, stops it and checks that it stays stopped."""
 
     @classmethod
     def setUpClass(cls):

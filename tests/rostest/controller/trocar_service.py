@@ -49,7 +49,7 @@ class TrocarService(RobotTest):
         T = self.shaft()
         return np.linalg.norm(rcm_error_vector(T[:3, 3], T[:3, 2], trocar))
 
-    def told(self, kind, message):
+    def is_logged(self, kind, message):
         """Whether the newest such event holds the message."""
         entries = [event.message for event in self.robot.events if event.kind == kind]
         return bool(entries) and message in entries[-1]
@@ -58,7 +58,7 @@ class TrocarService(RobotTest):
         count = len(self.heard)
         reply = self.service(Point(*trocar))
         self.assertFalse(reply.accepted, reply.message)
-        self.robot.wait(lambda: self.told("trocar_refused", reply.message))
+        self.robot.wait(lambda: self.is_logged("trocar_refused", reply.message))
         self.assertEqual(len(self.heard), count)
         return reply.message
 
@@ -68,7 +68,7 @@ class TrocarService(RobotTest):
         self.assertTrue(reply.accepted, reply.message)
         self.robot.wait(lambda: len(self.heard) > count)
         np.testing.assert_array_equal(self.published(), trocar)
-        self.robot.wait(lambda: self.told("trocar_set", reply.message))
+        self.robot.wait(lambda: self.is_logged("trocar_set", reply.message))
         return reply.message
 
     def test_1_the_trocar_of_the_settings_is_published_and_in_diagnostics(self):

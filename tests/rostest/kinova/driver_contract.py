@@ -260,7 +260,7 @@ class Tool(unittest.TestCase):
 
 
 def announce() -> None:
-    """Say what will be done; on a real arm wait for whoever reads it to stop that.
+    """Say what will be done; on a real arm wait, so that a reader can stop it.
 
     Raises:
         AssertionError: Nobody said that there is an emergency stop.

@@ -72,7 +72,7 @@ class KinovaSession(unittest.TestCase):
         self.stops += 1
 
     def worst_rcm_error(self):
-        """Since this was last asked; the newest state stays, for whoever asks for it next."""
+        """Since the last call; the newest state stays for the next one."""
         seen = list(self.truth)
         del self.truth[: len(seen) - 1]
         worst = 0.0

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pulls through the bridge by a tension that is told from the arm's own noisy torques."""
+"""Pulls through the bridge by a tension that is estimated from the arm's own noisy torques."""
 
 import unittest
 
@@ -57,7 +57,7 @@ class KinovaTorques(unittest.TestCase):
             self.robot.say_and_finish("release", limit=60.0)
         self.fail(f"pulled badly, or halted, each time: {outcomes}")
 
-    def assert_told(self):
+    def assert_estimated(self):
         """The estimate settles near the true tension."""
         self.robot.wait(lambda: abs(self.robot.tension - self.true) < CLOSE, 20.0)
 
@@ -73,7 +73,7 @@ class KinovaTorques(unittest.TestCase):
             except Halted:
                 self.robot.start_fresh()
                 self.grasp()
-            self.assert_told()
+            self.assert_estimated()
         return ""
 
     def test_1_before_the_jaws_were_open_at_rest_it_is_not_trusted(self):
@@ -86,7 +86,7 @@ class KinovaTorques(unittest.TestCase):
         self.assertTrue(self.gripped)
         self.assertEqual(self.invalid, "")
         self.assertAlmostEqual(self.true, 1.0, delta=ROUGH)
-        self.assert_told()
+        self.assert_estimated()
 
     def test_3_more_than_the_maximum_is_refused(self):
         before = self.true
@@ -102,7 +102,7 @@ class KinovaTorques(unittest.TestCase):
         self.robot.say_and_finish("release", limit=60.0)
         self.assertFalse(self.gripped)
         self.assertEqual(self.true, 0.0)
-        self.assert_told()
+        self.assert_estimated()
         self.assertLess(self.most, MOST)
         self.assertLess(self.robot.max_rcm_error(), 1e-3)
 

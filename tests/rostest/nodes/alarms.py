@@ -34,13 +34,13 @@ class Alarms(unittest.TestCase):
         cls.events = rospy.Publisher("rst_control/event", Event, queue_size=10)
         cls.said = rospy.Publisher("voice_assist/utterance", Utterance, queue_size=10)
         cls.health = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=10)
-        cls.beat = rospy.Timer(rospy.Duration(0.02), cls.tell)
+        cls.beat = rospy.Timer(rospy.Duration(0.02), cls.publish_state)
         for topic in (cls.states, cls.events, cls.said, cls.health):
             while topic.get_num_connections() == 0 and not rospy.is_shutdown():
                 rospy.sleep(0.05)
 
     @classmethod
-    def tell(cls, _):
+    def publish_state(cls, _):
         cls.state.header.stamp = rospy.Time.now()
         cls.states.publish(cls.state)
 
@@ -63,7 +63,7 @@ class Alarms(unittest.TestCase):
         wait_until(lambda: self.marker.color.a < 0.5)
         wait_until(lambda: self.marker.color.a > 0.9)
 
-    def test_3_hey_robot_acknowledges_and_its_refusal_is_told(self):
+    def test_3_hey_robot_acknowledges_and_its_refusal_is_shown(self):
         self.events.publish(
             Event(
                 kind="refused",
@@ -80,7 +80,7 @@ class Alarms(unittest.TestCase):
         wait_until(lambda: self.alarm.kind == "")
         wait_until(lambda: self.marker.action == Marker.DELETE)
 
-    def test_5_words_of_a_command_that_was_not_taken_are_told(self):
+    def test_5_words_of_a_command_that_was_not_taken_are_shown(self):
         reason = "confidence 0.31, allowed: at least 0.50"
         said = Utterance(phrases=["tense"], wer=[0.0], nearest_command="tense", reason=reason)
         said.transcript = "tense"
@@ -98,7 +98,7 @@ class Alarms(unittest.TestCase):
         rospy.sleep(0.5)
         self.assertEqual(self.alarm.kind, "")
 
-    def test_6_a_deaf_microphone_is_told_by_diagnostics(self):
+    def test_6_a_deaf_microphone_is_reported_by_diagnostics(self):
         status = DiagnosticStatus(level=DiagnosticStatus.ERROR, name="voice_assist: voice")
         status.message = "default microphone: not found"
         self.health.publish(DiagnosticArray(status=[status]))

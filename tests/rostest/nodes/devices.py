@@ -36,12 +36,12 @@ class Devices(unittest.TestCase):
         rospy.Subscriber(
             "/theatre/endoscope/is_recording", Bool, lambda m: cls.recorder.append(m.data)
         )
-        told = rospy.Subscriber("voice_assist/device", DeviceCall, cls.results.append)
+        subscriber = rospy.Subscriber("voice_assist/device", DeviceCall, cls.results.append)
         cls.words = rospy.Publisher("voice_assist/utterance", Utterance, queue_size=10)
         cls.stops = rospy.Publisher("rst_control/stop", Empty, queue_size=1)
         wait_until(lambda: rospy.has_param("/devices/calls"))
         wait_until(lambda: len(cls.followers()) > 0, "the devices node")
-        wait_until(lambda: told.get_num_connections() > 0, "results of the devices node")
+        wait_until(lambda: subscriber.get_num_connections() > 0, "results of the devices node")
         cls.theatre = None
 
     @classmethod

@@ -30,7 +30,7 @@ class Room:
         self._topic = rospy.Publisher("voice_assist/audio", AudioChunk, queue_size=100)
         self._rng, self._sent = np.random.default_rng(1), 0
         self._words, self._lock = np.zeros(0), threading.Lock()
-        self._timer = rospy.Timer(rospy.Duration(CHUNK / RATE), self._tell)
+        self._timer = rospy.Timer(rospy.Duration(CHUNK / RATE), self._publish)
 
     def say(self, text, gain):
         """Speak, after a moment."""
@@ -38,7 +38,7 @@ class Room:
         with self._lock:
             self._words = np.concatenate([np.zeros(round(DELAY * RATE)), gain * sound])
 
-    def _tell(self, _):
+    def _publish(self, _):
         block = self._rng.normal(0.0, NOISE, CHUNK)
         with self._lock:
             words, self._words = self._words[:CHUNK], self._words[CHUNK:]
@@ -74,45 +74,45 @@ class EnrolmentByService(unittest.TestCase):
         return self.enroll("ada", "record")
 
     def test_1_it_says_what_to_say_and_records_nothing(self):
-        told = self.enroll("ada", "next")
-        self.assertTrue(told.success, told.message)
-        self.assertEqual((told.kind, told.phrase, told.number), ("room", "", 1))
-        self.assertEqual(self.enroll("ada", "next"), told)
+        reply = self.enroll("ada", "next")
+        self.assertTrue(reply.success, reply.message)
+        self.assertEqual((reply.kind, reply.phrase, reply.number), ("room", "", 1))
+        self.assertEqual(self.enroll("ada", "next"), reply)
 
     def test_2_silence_is_the_room_but_no_command_and_asked_for_again(self):
-        told = self.record("")
-        self.assertTrue(told.success, told.message)
-        self.assertEqual((told.kind, told.phrase, told.number), ("command", "hey robot", 1))
-        self.assertGreaterEqual(told.total, 3)
+        reply = self.record("")
+        self.assertTrue(reply.success, reply.message)
+        self.assertEqual((reply.kind, reply.phrase, reply.number), ("command", "hey robot", 1))
+        self.assertGreaterEqual(reply.total, 3)
         for text, gain in (("", 1.0), ("hey robot", 0.003)):
-            told = self.record(text, gain)
-            self.assertFalse(told.success)
-            self.assertTrue(told.message)
-            self.assertEqual((told.phrase, told.number), ("hey robot", 1))
+            reply = self.record(text, gain)
+            self.assertFalse(reply.success)
+            self.assertTrue(reply.message)
+            self.assertEqual((reply.phrase, reply.number), ("hey robot", 1))
 
     def test_3_a_good_take_is_kept_and_the_next_one_asked_for(self):
-        told = self.record("hey robot", 0.6)
-        self.assertTrue(told.success, told.message)
-        self.assertNotEqual((told.phrase, told.number), ("hey robot", 1))
+        reply = self.record("hey robot", 0.6)
+        self.assertTrue(reply.success, reply.message)
+        self.assertNotEqual((reply.phrase, reply.number), ("hey robot", 1))
 
     def test_4_while_the_robot_listens_to_commands_nothing_is_recorded(self):
         before = self.enroll("ada", "next")
         self.mode.publish(Mode(mode="active"))
 
         def refusal():  # the mode is on its way
-            told = self.record("")
-            return told if "terminate" in told.message else None
+            reply = self.record("")
+            return reply if "terminate" in reply.message else None
 
-        told = wait_until(refusal, "a refusal")
-        self.assertFalse(told.success)
-        self.assertEqual((told.phrase, told.number), (before.phrase, before.number))
+        reply = wait_until(refusal, "a refusal")
+        self.assertFalse(reply.success)
+        self.assertEqual((reply.phrase, reply.number), (before.phrase, before.number))
         self.mode.publish(Mode(mode="standby"))
 
     def test_5_what_makes_no_sense_is_refused_by_name(self):
         self.assertIn("'dance'", self.enroll("ada", "dance").message)
-        told = self.enroll("../../etc", "next")
-        self.assertFalse(told.success)
-        self.assertIn("../../etc", told.message)
+        reply = self.enroll("../../etc", "next")
+        self.assertFalse(reply.success)
+        self.assertIn("../../etc", reply.message)
         self.assertFalse(self.enroll("ada", "learn").success)  # most takes are missing
 
     def test_6_recordings_are_for_their_owner_alone(self):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pivot calibration on the running system: the shaft is tilted in a trocar that nobody told."""
+"""Pivot calibration on the running system: the shaft is tilted in a trocar that is not set."""
 
 import unittest
 from dataclasses import replace
@@ -141,7 +141,7 @@ class PivotCalibration(unittest.TestCase):
         self.assertGreater(reply.angular_spread, 0.05)
         self.assertGreater(self.robot.state.rcm_error, 1e-3)
 
-    def test_5_applied_it_is_in_force(self):
+    def test_5_applied_it_is_active(self):
         reply = self.fit(True)
         self.assertTrue(reply.accepted, reply.message)
         p = rospy.wait_for_message("rst_control/trocar", PointStamped, 30.0).point

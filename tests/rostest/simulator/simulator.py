@@ -48,7 +48,7 @@ class Simulator(unittest.TestCase):
         self.assertTrue(np.allclose(np.diff(stamps), 0.002, atol=1e-6) or min(np.diff(stamps)) > 0)
         self.assertLess(abs(stamps[-1] - time.time()), 5.0)
 
-    def test_tension_and_grip_are_told_from_the_start(self) -> None:
+    def test_tension_and_grip_are_reported_from_the_start(self) -> None:
         wrench = rospy.wait_for_message("robot/tension", WrenchStamped, PATIENCE)
         self.assertEqual(wrench.header.frame_id, "base_link")
         self.assertEqual((wrench.wrench.force.x, wrench.wrench.force.z), (0.0, 0.0))
@@ -67,8 +67,8 @@ class Simulator(unittest.TestCase):
         reply = rospy.ServiceProxy("robot/reset_tissue", Trigger)()
         self.assertTrue(reply.success, reply.message)
 
-    def test_diagnostics_tell_how_the_simulation_fares(self) -> None:
-        keys: set[str] = set()  # of all nodes; the recorder tells there how it fares, too
+    def test_diagnostics_report_how_the_simulation_fares(self) -> None:
+        keys: set[str] = set()  # of all nodes; the recorder reports there, too
 
         def note(message: DiagnosticArray) -> None:
             keys.update(value.key for status in message.status for value in status.values)

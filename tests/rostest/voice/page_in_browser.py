@@ -29,7 +29,7 @@ from voice_assist.ros.display.endoscope import camera_of
 
 
 class PageInBrowser(RobotTest):
-    """One browser looks on while the session runs."""
+    """One browser is connected while the session runs."""
 
     @classmethod
     def setUpClass(cls):

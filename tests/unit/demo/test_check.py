@@ -82,7 +82,7 @@ def test_silence_of_the_controller_is_a_step_that_did_not_happen():
 
 
 @pytest.mark.parametrize(("start", "happened"), [(0.85, True), (0.7, False), (4.9, False)])
-def test_speech_may_be_told_a_moment_early_and_belongs_to_its_step(start, happened):
+def test_speech_may_be_reported_a_moment_early_and_belongs_to_its_step(start, happened):
     script, observed = session("hey robot", "cleared", None, {"halted": True}, {})
     observed.heard.append(HeardUtterance(start, "hey robot", "hey robot"))
     assert [v.happened for v in verdicts(script, observed)] == [happened]

@@ -74,10 +74,12 @@ def test_the_video_has_pictures_and_sound_of_the_same_length(tmp_path, monkeypat
     monkeypatch.setattr(video, "sound_of", lambda *_: (tone, 16_000))
     file = tmp_path / "film.mp4"
     assert video.write_video(tmp_path / "session.mcap", file) == pytest.approx(2.5)
-    told = subprocess.run([video.encoder(), "-i", str(file)], capture_output=True, text=True).stderr
-    seconds = float(re.search(r"Duration: 00:00:([\d.]+)", told)[1])
+    printed = subprocess.run(
+        [video.encoder(), "-i", str(file)], capture_output=True, text=True
+    ).stderr
+    seconds = float(re.search(r"Duration: 00:00:([\d.]+)", printed)[1])
     assert seconds == pytest.approx(2.5, abs=0.2)
-    assert "Video: h264" in told and "Audio: aac" in told and "960x592" in told
+    assert "Video: h264" in printed and "Audio: aac" in printed and "960x592" in printed
 
 
 def test_a_recording_without_pictures_and_a_failing_encoder_are_named(tmp_path, monkeypatch):

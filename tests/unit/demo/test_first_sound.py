@@ -45,7 +45,7 @@ def test_of_a_file_the_beginning_counts():
     assert sound.wait(PATIENCE) == pytest.approx(BEGAN, abs=1e-6)
 
 
-def test_silence_is_told():
+def test_silence_is_reported():
     sound = FirstSound(is_file=False)
     push(sound, 0, [0] * 512)
     with pytest.raises(RuntimeError, match=re.escape("heard nothing within 0.2 s")):

@@ -53,7 +53,7 @@ def system(monkeypatch):
     return System(monkeypatch)
 
 
-def test_a_node_of_this_host_that_ends_is_told_and_found_again_when_it_is_back(system):
+def test_a_node_of_this_host_that_ends_is_reported_and_found_again_when_it_is_back(system):
     watched = Peers()
     first = system.add("/voice", 7)
     watched.want({"/voice"})
@@ -79,7 +79,7 @@ def test_a_node_elsewhere_is_unknown_even_where_one_of_that_name_ended_here(syst
     assert watched.state("/voice") == ""
 
 
-def test_the_master_that_ends_is_told_at_once_and_its_successor_is_taken(system):
+def test_the_master_that_ends_is_reported_at_once_and_its_successor_is_taken(system):
     watched = Peers()
     watched.step()
     assert watched.state(MASTER) == ""

@@ -21,7 +21,7 @@ def package(tmp_path, monkeypatch):
     kernels.drop_stale_code.cache_clear()
 
 
-def look_again():
+def check_again():
     kernels.drop_stale_code.cache_clear()
     kernels.drop_stale_code()
 
@@ -30,10 +30,10 @@ def test_cached_code_goes_when_any_kernel_changes(package):
     kernels.drop_stale_code()
     code = package / "__pycache__" / "outer.nbc"
     code.write_bytes(b"old")
-    look_again()
+    check_again()
     assert code.exists()
     (package / "deep.py").write_text("@kernel\ndef inner(): return 2\n")
-    look_again()
+    check_again()
     assert not code.exists()
 
 
@@ -42,10 +42,10 @@ def test_cached_code_in_a_folder_below_goes_when_a_kernel_that_it_calls_changes(
     code.parent.mkdir(parents=True)
     kernels.drop_stale_code()
     code.write_bytes(b"old")
-    look_again()
+    check_again()
     assert code.exists()
     (package / "deep.py").write_text("@kernel\ndef inner(): return 2\n")
-    look_again()
+    check_again()
     assert not code.exists()
 
 
@@ -54,7 +54,7 @@ def test_cached_code_stays_when_something_else_changes(package):
     code = package / "__pycache__" / "outer.nbi"
     code.write_bytes(b"good")
     (package / "plain.py").write_text("x = 2\n")
-    look_again()
+    check_again()
     assert code.exists()
 
 
@@ -76,7 +76,7 @@ def compiled_here(package):
     file = package / "room" / "arithmetic.py"
     file.parent.mkdir(exist_ok=True)
     file.write_text(DOUBLE)
-    look_again()
+    check_again()
     spec = importlib.util.spec_from_file_location("arithmetic", file)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -138,7 +138,7 @@ def test_code_that_another_account_has_closed_is_compiled_anew(package, closed, 
     assert compiled_here(package) == 1
     index = next(package.rglob("*.nbi"))
     index.unlink()
-    index.mkdir()  # an error of the system to whoever opens it, root included
+    index.mkdir()  # an error of the system for every account, root included
     monkeypatch.setenv("XDG_CACHE_HOME", "/dev/null")
     closed()
     assert compiled_here(package) == 1

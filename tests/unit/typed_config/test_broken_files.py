@@ -12,7 +12,7 @@ from typed_config import ConfigError, load_yaml
 FILES = sorted(kinds())
 files = pytest.mark.parametrize("path", FILES, ids=[path.name for path in FILES])
 ENTRY = re.compile(r"^  - \{")
-# One reader reads all files: what it refuses before it looks at keys is tried on these.
+# One reader reads all files: what it refuses before it reads keys is tried on these.
 SHAPES = ("audio.yaml", "controller.yaml", "gen3_openrst.yaml", "session.yaml")
 ON_EACH = {
     *("empty", "a comment only", "null", "a list", "words", "a number"),

@@ -36,8 +36,8 @@ FILES = sorted(kinds())
 NAMES = [path.name for path in FILES]
 files = pytest.mark.parametrize("path", FILES, ids=NAMES)
 
-# In another unit these stay within what is sensible, so that no range can tell.
-CANNOT_TELL = {
+# In another unit these stay within what is sensible, so that no range finds them.
+UNDETECTED = {
     ("rcm.yaml: solver.damping", "percent"): "0.001 and 0.1 both serve: it only costs iterations",
     ("scene.yaml: tissue.bed_stiffness", "N/mm"): "0 is allowed: nothing need lie around the sheet",
 }
@@ -129,7 +129,7 @@ def test_a_value_in_another_unit_is_refused(path):
         for unit, scaled in in_other_units(leaf, value):
             with changed(data, leaf.path, scaled):
                 error = refusal(kind, data, path.name)
-            known = (f"{path.name}: {leaf.schema}", unit) in CANNOT_TELL
+            known = (f"{path.name}: {leaf.schema}", unit) in UNDETECTED
             last = leaf.schema.rpartition(".")[2].rstrip("[]")
             if error is None and not known:
                 failures.append(f"{path.name}: {leaf.key} = {scaled} ({unit}) is accepted")
@@ -207,4 +207,4 @@ def test_units_and_exceptions_that_nothing_uses_are_not_kept():
     assert used >= {"m", "rad", "s", "N"}
     assert set(NO_OTHER_UNIT) <= used and set(OTHER_UNITS) - used <= {"m/s^3"}
     keys = {f"{p.name}: {leaf.schema}" for p in FILES for leaf in leaves(kinds()[p], content(p))}
-    assert {key for key, _ in CANNOT_TELL} <= keys
+    assert {key for key, _ in UNDETECTED} <= keys

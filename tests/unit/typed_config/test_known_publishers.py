@@ -124,7 +124,7 @@ def test_names_may_end_in_a_star_and_none_is_anybody(known):
     link = known.subscribe("/a", Bool, heard.append, ["/my_gen3/*"])
     link.hear(link.connect("/my_gen3/my_gen3_driver"))
     anybody = known.subscribe("/b", Bool, heard.append, [])
-    anybody.hear(anybody.connect("/whoever", port=9))
+    anybody.hear(anybody.connect("/any_node", port=9))
     assert len(heard) == 2
 
 
@@ -144,7 +144,7 @@ def test_strangers_are_named_as_long_as_they_are_connected(known):
 
 
 def test_where_anybody_is_taken_nobody_is_a_stranger(known):
-    known.subscribe("/b", Bool, print, []).connect("/whoever")
+    known.subscribe("/b", Bool, print, []).connect("/any_node")
     assert known.strangers() == []
 
 

@@ -33,12 +33,12 @@ def missed(command, *taken):
     return said(command, taken=taken, decided=math.nan, acted=math.nan)
 
 
-def named(told):
-    return {f.name: f for f in figures(told, PAPER, "RTX A6000")}
+def named(results):
+    return {f.name: f for f in figures(results, PAPER, "RTX A6000")}
 
 
 def test_a_command_is_counted_right_wrong_and_missed():
-    told = VoiceResult(
+    result = VoiceResult(
         NATIVE,
         (
             said("pull more"),
@@ -48,27 +48,27 @@ def test_a_command_is_counted_right_wrong_and_missed():
             said("stop"),
         ),
     )
-    r = row("pull more", [told])
+    r = row("pull more", [result])
     assert (r.said, r.correct) == (4, 2)
     assert r.others == {"nothing": 1, "pull less": 1}
     assert r.decided == (0.3, 0.5) and r.acted == (0.5, 0.9)
 
 
 def test_what_the_prompter_said_and_torn_sound_are_left_out_and_said_so():
-    told = [
+    results = [
         VoiceResult(
             NATIVE, (said("stop"), said("stop", is_counted=False), said("stop", (), is_whole=False))
         )
     ]
-    assert row("stop", told).said == 1
-    found = named(told)
+    assert row("stop", results).said == 1
+    found = named(results)
     assert found["phrases left out: sound torn by the player"].value == 1
     assert found["phrases left out: said by the prompter"].value == 1
 
 
 def test_the_figures_stand_beside_the_papers():
-    told = [VoiceResult(NATIVE, (said("pull more", acted=0.5), said("pull more", acted=0.7)))]
-    found = named(told)["pull more: end of sound to the robot's first motion, mean"]
+    results = [VoiceResult(NATIVE, (said("pull more", acted=0.5), said("pull more", acted=0.7)))]
+    found = named(results)["pull more: end of sound to the robot's first motion, mean"]
     assert found.value == pytest.approx(0.6)
     assert (found.target, found.unit, found.is_met) == (2.39, "s", True)
     assert "synthetic" in found.note and "RTX A6000" in found.note
@@ -85,12 +85,12 @@ def test_the_mean_over_commands_weighs_each_command_once_on_both_sides():
     assert mean.target == pytest.approx((2.39 + 1.29) / 2)
 
 
-def test_native_and_other_voices_are_told_apart():
-    told = [
+def test_native_and_other_voices_are_counted_apart():
+    results = [
         VoiceResult(NATIVE, (said("stop"), said("tense"))),
         VoiceResult(OTHER, (said("stop"), missed("tense"))),
     ]
-    found = named(told)
+    found = named(results)
     assert found["all voices: commands recognised"].value == 75.0
     assert found["native voices: commands recognised"].value == 100.0
     assert found["non-native voices: commands recognised"].value == 50.0
@@ -98,8 +98,8 @@ def test_native_and_other_voices_are_told_apart():
 
 
 def test_talk_that_was_taken_is_counted_and_named():
-    told = [VoiceResult(NATIVE, (said(""), said("", taken=("hey robot",)), said("stop")))]
-    found = named(told)
+    results = [VoiceResult(NATIVE, (said(""), said("", taken=("hey robot",)), said("stop")))]
+    found = named(results)
     assert found["talk taken for a motion"].value == 0.0
     wrong = found["talk taken for any command"]
     assert wrong.value == 50.0 and "'rowboat' for hey robot" in wrong.note
@@ -107,8 +107,8 @@ def test_talk_that_was_taken_is_counted_and_named():
 
 
 def test_a_refused_command_is_right_but_counted_as_refused():
-    told = [VoiceResult(NATIVE, (said("pull more", refusal="tension limit", acted=math.nan),))]
-    found = named(told)
+    results = [VoiceResult(NATIVE, (said("pull more", refusal="tension limit", acted=math.nan),))]
+    found = named(results)
     assert found["pull more: recognised"].value == 100.0
     assert found["commands heard and refused by the robot"].value == 1
 

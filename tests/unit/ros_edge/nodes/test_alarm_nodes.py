@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The viewer says when nobody tells it of alarms; the node's log tells tones from answers."""
+"""The viewer says when no node reports alarms; the node's log separates tones from answers."""
 
 from types import SimpleNamespace
 
@@ -20,7 +20,7 @@ from voice_assist.ros.alarms.viewer import Lines, Viewer
 
 
 class View:
-    """Keeps what it is told."""
+    """Keeps what it is given."""
 
     def __init__(self):
         self.seen = []
@@ -85,7 +85,7 @@ def test_an_alarm_node_that_hangs_is_noticed_and_so_is_its_next_word(links):
     assert view.seen == ["well", "lost", "well"]
 
 
-def test_lines_tell_no_alarm_from_no_word(capsys):
+def test_lines_distinguish_no_alarm_from_no_word(capsys):
     lines = Lines()
     lines.lose()
     lines.show(None, False, ("one more",))
@@ -149,7 +149,7 @@ def test_alarms_go_by_a_clock_that_nobody_sets(monkeypatch):
     assert 0.0 <= alarm_node._now() - before < 60.0
 
 
-def test_since_when_an_alarm_stands_is_told_by_the_clock_of_messages():
+def test_since_when_an_alarm_stands_is_given_by_the_clock_of_messages():
     standing = Standing("latch", latch_alarm("stopped", "stopped", False), since=30.0)
     message = messages.alarm_message([standing], now=42.0, stamp=1000.0)
     assert message.header.stamp.to_sec() == 1000.0

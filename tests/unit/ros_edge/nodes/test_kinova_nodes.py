@@ -158,7 +158,7 @@ def test_the_guard_says_that_it_is_there_only_while_it_hears_the_bridge(monkeypa
     assert len(alive) >= 25
 
 
-def told_by_guard(monkeypatch, stop, velocity, drivers=("/robot", "/my_gen3/*")):
+def sent_by_guard(monkeypatch, stop, velocity, drivers=("/robot", "/my_gen3/*")):
     """What a guard that hears the bridge sends to it and logs."""
     sent, logged, node = [], [], object.__new__(GuardNode)
     node._stop, node._speeds, node._drivers = stop, velocity, drivers
@@ -183,7 +183,7 @@ STOP, VELOCITY = "/my_gen3/in/stop", "/my_gen3/in/joint_velocity"
 )
 def test_a_guard_that_the_driver_does_not_hear_is_no_guard(monkeypatch, stop, velocity, unheard):
     topics = ToArm("stop", *stop), ToArm("joint_velocity", *velocity)
-    sent, logged = told_by_guard(monkeypatch, *topics)
+    sent, logged = sent_by_guard(monkeypatch, *topics)
     assert sent == []
     words = f"the arm's driver does not hear this guard: {unheard}; allowed: /robot, /my_gen3/*"
     assert logged == [words]
@@ -192,13 +192,13 @@ def test_a_guard_that_the_driver_does_not_hear_is_no_guard(monkeypatch, stop, ve
 @pytest.mark.parametrize("driver", [DRIVER, "/robot"])
 def test_a_guard_that_the_driver_hears_on_both_topics_is_one(monkeypatch, driver):
     topics = ToArm("stop", RECORDER, driver), ToArm("joint_velocity", driver)
-    assert told_by_guard(monkeypatch, *topics) == (["alive"], [])
+    assert sent_by_guard(monkeypatch, *topics) == (["alive"], [])
 
 
 def test_where_the_settings_name_nobody_any_listener_counts_for_the_driver(monkeypatch):
     topics = ToArm("stop", "/other"), ToArm("joint_velocity", "/other")
-    assert told_by_guard(monkeypatch, *topics, drivers=()) == (["alive"], [])
-    sent, (words,) = told_by_guard(monkeypatch, ToArm("stop"), topics[1], drivers=())
+    assert sent_by_guard(monkeypatch, *topics, drivers=()) == (["alive"], [])
+    sent, (words,) = sent_by_guard(monkeypatch, ToArm("stop"), topics[1], drivers=())
     assert sent == [] and words.endswith(f"{STOP}; allowed: anybody")
 
 
@@ -207,7 +207,7 @@ def test_a_driver_whose_connection_is_closed_does_not_hear(monkeypatch, done, so
     stop, velocity = ToArm("stop", DRIVER), ToArm("joint_velocity", DRIVER)
     (connection,) = stop.impl.connections
     connection.done, connection.socket = done, socket
-    sent, logged = told_by_guard(monkeypatch, stop, velocity)
+    sent, logged = sent_by_guard(monkeypatch, stop, velocity)
     assert sent == [] and f"{STOP};" in logged[0]
 
 
@@ -226,33 +226,35 @@ def test_each_node_that_moves_the_robot_first_bounds_what_it_takes_in(monkeypatc
         node.main()
 
 
-def test_a_force_is_told_once_and_the_controller_judges_its_age():
-    told, now, node = [], 100.0, object.__new__(KinovaBridgeNode)
+def test_a_force_is_published_once_and_the_controller_judges_its_age():
+    published, now, node = [], 100.0, object.__new__(KinovaBridgeNode)
     bridge = Bridge(load_kinova_config(), None)
     node._bridge, node._told_force, node._offset = bridge, None, 0.0
-    node._tension = SimpleNamespace(publish=lambda message: told.append(message.wrench.force.z))
+    node._tension = SimpleNamespace(
+        publish=lambda message: published.append(message.wrench.force.z)
+    )
     for value in (1.0, 1.0, 1.5):  # a new one counts as new, whatever it says
         bridge.on_force(np.array([0.0, 0.0, value]), now)
         for _ in range(4):
             node._publish_tension(now)
             now += 0.025
-    assert told == [1.0, 1.0, 1.5]
+    assert published == [1.0, 1.0, 1.5]
 
 
 @pytest.mark.parametrize("lost", [0, 1, 2])
 def test_an_estimate_of_the_arms_own_torques_never_grows_too_old_for_the_controller(lost):
     """Each state of the arm gives an estimate, but those that come too soon after one another."""
-    watchdogs, told = kinova_motion().controller.watchdogs, []
+    watchdogs, published = kinova_motion().controller.watchdogs, []
     bridge, node = Bridge(load_kinova_config(), None), object.__new__(KinovaBridgeNode)
     node._bridge, node._told_force, node._offset = bridge, None, 0.0
-    node._tension = SimpleNamespace(publish=lambda _: told.append(now))
+    node._tension = SimpleNamespace(publish=lambda _: published.append(now))
     closest = (1.0 - SOONER) / load_torque_tension().rate
     late = np.random.default_rng(4).uniform(0.0, 0.004, 2000)  # [s] of each state
     states = [0.025 * k + late[k] for k in range(2000) if k % 20 >= lost]
     taken, ages = -np.inf, []
     for now in states:
         node._publish_tension(now)
-        ages += [now - told[-1]] if told else []
+        ages += [now - published[-1]] if published else []
         if now - taken >= closest:
             taken = now
             bridge.on_force(np.array([0.0, 0.0, 1.0]), now + 0.005)

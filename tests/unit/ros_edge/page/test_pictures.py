@@ -47,7 +47,7 @@ def ask(monkeypatch, pictures):
     pictures._ask()
 
 
-def test_too_large_a_picture_is_told_once_with_its_size_and_what_is_allowed(
+def test_too_large_a_picture_is_reported_once_with_its_size_and_what_is_allowed(
     monkeypatch, logged, pictures
 ):
     for more in (1, 2, 3):  # each has another size
@@ -60,7 +60,7 @@ def test_too_large_a_picture_is_told_once_with_its_size_and_what_is_allowed(
     assert pictures._theatre.picture is None
 
 
-def test_a_trouble_that_comes_back_is_told_again(logged, pictures):
+def test_a_trouble_that_comes_back_is_reported_again(logged, pictures):
     for data in (b"GIF89a", PNG, b"GIF89a"):
         come(pictures, data)
     assert logged == ["no picture of the scene: a picture is neither PNG nor JPEG (6 bytes)"] * 2

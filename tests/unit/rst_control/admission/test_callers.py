@@ -53,7 +53,7 @@ def test_the_list_names_callers_or_their_beginnings(caller, is_in):
     assert is_allowed(caller, (VOICE, "/rosservice_*")) is is_in
 
 
-def test_whoever_is_not_on_the_list_is_told_who_is_and_may_still_stop():
+def test_a_caller_who_is_not_on_the_list_is_refused_with_the_list_and_may_still_stop():
     calls = Clocked(config(allowed=(VOICE, "/rosservice_*")))
     refusal = calls.limiter.admit("/stray_script").refusal.words
     assert "/stray_script" in refusal and VOICE in refusal and "/rosservice_*" in refusal

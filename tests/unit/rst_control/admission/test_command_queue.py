@@ -8,12 +8,12 @@ from rst_control.types import Cause, Reason, State
 from tests.unit.rst_control.support.executor_rig import Rig
 
 
-def test_unknown_words_are_refused_at_once_and_written_into_the_diary():
+def test_unknown_words_are_refused_at_once_and_written_into_the_event_log():
     rig = Rig().awake()
     pending = rig.queue.take("x" * 10_000_000, "test")
     assert not pending.reply.result(0).accepted
-    entry = rig.executor.events[-1]
-    assert entry.kind == "refused" and len(entry.command) == MAX_ECHOED
+    event = rig.executor.events[-1]
+    assert event.kind == "refused" and len(event.command) == MAX_ECHOED
 
 
 def test_what_is_accepted_or_refused_names_its_caller():

@@ -89,7 +89,7 @@ def test_a_refusal_names_what_no_command_has(text):
         assert f"U+{ord(next(c for c in text if not c.isascii())):04X}" in words
 
 
-def test_the_length_of_what_was_not_read_is_told():
+def test_the_length_of_what_was_not_read_is_named():
     assert "10000000 bytes, allowed: 200" in unknown("x" * 400, 10_000_000).words
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Looking about under the trocar: left is left in the picture, and the shaft stays where it is."""
+"""Camera steps under the trocar: left is left in the picture, and the shaft stays where it is."""
 
 from dataclasses import replace
 
@@ -34,8 +34,8 @@ def ask(verify, command, q):
     return verify(request(command.phrase), situation(q))
 
 
-def changed(config, **look):
-    controller = replace(config.controller, camera=replace(config.controller.camera, **look))
+def changed(config, **camera):
+    controller = replace(config.controller, camera=replace(config.controller.camera, **camera))
     return replace(config, controller=controller)
 
 
@@ -81,7 +81,7 @@ def test_each_direction_is_that_of_the_picture_and_keeps_the_trocar(
         samples = phase.path.sample(planner.model.chain, planner.trocar, per_knot=20)
         assert samples.rcm_error.max() < 1e-6
         for q in samples.q[::40, 0]:
-            assert witness.look(q).error < SINGLE
+            assert witness.observe(q).error < SINGLE
 
 
 @pytest.mark.parametrize("command", ROUND)
@@ -136,7 +136,7 @@ def test_the_camera_may_sit_turned_on_the_tool(robot, motion_config, home):
 
 
 @pytest.mark.parametrize(
-    ("words", "look", "insertion", "reason"),
+    ("words", "camera", "insertion", "reason"),
     [
         ("look left", {"angle": 0.5}, (0.05, 0.25), Reason.WORKSPACE),
         ("look wider", {"depth": 0.05}, (0.04, 0.25), Reason.WORKSPACE),
@@ -146,9 +146,9 @@ def test_the_camera_may_sit_turned_on_the_tool(robot, motion_config, home):
     ],
 )
 def test_a_step_that_leads_too_far_is_refused_by_name(
-    robot, motion_config, home, words, look, insertion, reason
+    robot, motion_config, home, words, camera, insertion, reason
 ):
-    config = changed(motion_config, **look)
+    config = changed(motion_config, **camera)
     config = replace(config, rcm=replace(config.rcm, insertion=insertion))
     decision = ask(Verifier(Planner(robot, config)), COMMANDS[words], home)
     assert isinstance(decision, Rejected)
@@ -227,7 +227,7 @@ def test_stop_in_the_middle_brakes_on_the_way_and_latches():
     rig.finish("look down right")
 
 
-def test_a_look_needs_hey_robot_an_inserted_tool_and_empty_jaws():
+def test_a_camera_step_needs_hey_robot_an_inserted_tool_and_empty_jaws():
     rig = Rig().run(0.01)
     assert "hey robot" in rig.refused("look left")
     rig.say("hey robot")
@@ -242,7 +242,7 @@ def test_what_is_no_direction_moves_nothing():
     assert rig.still_for(0.1)
 
 
-def test_another_look_waits_until_the_first_is_done():
+def test_another_camera_step_waits_until_the_first_is_done():
     rig = Rig()
     rig.robot.tissue = None
     rig.awake().say("look left")

@@ -24,7 +24,7 @@ def reason_of(refusal):
 
 
 @pytest.mark.parametrize("command", MOTIONS)
-def test_once_halted_nothing_moves_and_the_reason_is_told(joints, command):
+def test_once_halted_nothing_moves_and_the_reason_is_named(joints, command):
     refusal = mode_refusal(command, situation(joints, halt_reason='"stop" was said').mode)
     assert refusal.reason is Reason.HALTED
     assert '"stop" was said' in refusal.words
@@ -47,7 +47,7 @@ def test_stale_joint_states_are_refused_with_their_age(conditions, joints):
     assert "allowed 20 ms" in refusal.words
 
 
-def test_a_fault_is_told_in_its_own_words(conditions, joints):
+def test_a_fault_is_reported_in_its_own_words(conditions, joints):
     refusal = conditions.refusal(COMMANDS["tense"], situation(joints, fault="joint_4 blocked"))
     assert refusal.reason is Reason.FAULTED
     assert "joint_4 blocked" in refusal.words

@@ -83,13 +83,13 @@ def test_pull_less_is_never_refused_for_having_gone_too_far(verify, joints):
     assert verify(request("pull less"), held(plan, 0.0005)).reason is Reason.DISPLACEMENT_LIMIT
 
 
-def test_a_tension_that_nobody_trusts_is_not_looked_at(verify, joints):
+def test_a_tension_that_is_not_trusted_is_not_used(verify, joints):
     """Its slope would forbid the step, were it believed."""
     plan = verify(request("tense"), situation(joints)).plan
     assert isinstance(verify(request("pull more"), held(plan, 0.002, tension=1.9)), Accepted)
 
 
-def test_a_sensor_that_is_not_trusted_is_told_with_the_reason(motion_config, robot, joints):
+def test_a_sensor_that_is_not_trusted_is_named_with_the_reason(motion_config, robot, joints):
     verify = Verifier(Planner(robot, motion_config))
     words = verify(request("tense"), situation(joints, tension_invalid_reason=WHY)).plan.words
     assert WHY in words
@@ -108,8 +108,8 @@ def test_torques_are_judged_once_the_tissue_is_held(motion_config, robot, joints
         -1
     ]
     assert step.tension is None
-    told = verify(request("pull more"), held(plan, 0.002, tension=0.5)).plan.phases[-1]
-    assert told.tension == pytest.approx(0.75)
+    by_tension = verify(request("pull more"), held(plan, 0.002, tension=0.5)).plan.phases[-1]
+    assert by_tension.tension == pytest.approx(0.75)
 
 
 def test_refusals_of_tension_still_hold(verify, joints):

@@ -159,7 +159,7 @@ def test_an_arm_that_was_pushed_away_is_not_pulled_back_by_hey_robot():
     np.testing.assert_array_equal(rig.robot.measured_js().position, elsewhere)
 
 
-def test_the_outcome_tells_the_largest_rcm_error_measured_in_motion():
+def test_the_outcome_reports_the_largest_rcm_error_measured_in_motion():
     rig = Rig().awake()
     rig.robot.push(np.full(10, 1e-3))  # before the motion: does not count
     rig.run(0.01)
@@ -298,7 +298,7 @@ def test_tissue_stays_held_through_stop_and_terminate_and_can_then_be_released()
         assert rig.view.tension == 0.0
 
 
-def test_a_stop_in_motion_tells_the_whole_story_in_the_diary():
+def test_every_step_of_a_stop_in_motion_is_in_the_event_log():
     rig = Rig().moving("reach")
     rig.say("stop")
     rig.rest()

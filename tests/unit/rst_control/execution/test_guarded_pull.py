@@ -32,7 +32,7 @@ RESPONSE = GraspResponse(TENSION, 0.8)  # that never hears of a reading
 
 
 class SpringTissue:
-    """Pulled by a run, its tension told late."""
+    """Pulled by a run, its tension reported late."""
 
     def __init__(
         self,
@@ -48,7 +48,7 @@ class SpringTissue:
         begin = PhaseStart(phase, path, PathState(start), 0.0, BOUNDS, BOUNDS)
         self.run = GuardedPull(begin, TENSION, response)
         self.stiffness, self.now, self.fastest, self.invalid = stiffness, 0.0, 0.0, ""
-        self.bias = 0.0  # [N] told besides
+        self.bias = 0.0  # [N] added to the reading
         self._past = [start] * round(TENSION.delay / PERIOD)
 
     @property
@@ -59,8 +59,8 @@ class SpringTissue:
         for _ in range(round(seconds / PERIOD)):
             self.now += PERIOD
             self._past.append(self.run.state.s)
-            told = self.bias + self.stiffness * self._past.pop(0)
-            self.run.step(PERIOD, self._measured(told))
+            reading = self.bias + self.stiffness * self._past.pop(0)
+            self.run.step(PERIOD, self._measured(reading))
             self.fastest = max(self.fastest, abs(self.run.state.speed))
             if self.run.is_done:
                 return
@@ -82,7 +82,7 @@ def test_it_stops_at_the_tension_asked_for_though_that_is_late(stiffness: float)
 
 
 @pytest.mark.parametrize("when", [0.0, 0.1, 0.5, 1.0])
-def test_one_reading_that_is_far_too_high_stops_it_for_a_look_and_no_longer(when: float) -> None:
+def test_one_reading_that_is_far_too_high_stops_it_for_a_check_and_no_longer(when: float) -> None:
     tissue = SpringTissue(100.0, goal=1.0)
     tissue.pull(when)
     tissue.bias = 1.0
@@ -106,7 +106,7 @@ def test_a_tension_that_stays_high_ends_the_pull_where_it_rose() -> None:
     assert tissue.run.state.s - before < 1e-3
 
 
-def test_a_stop_during_the_look_ends_it() -> None:
+def test_a_stop_during_the_check_ends_it() -> None:
     tissue = SpringTissue(100.0, goal=1.0)
     tissue.pull(0.5)
     tissue.bias = 1.0

@@ -28,7 +28,7 @@ def after_a_stop():
     return rig.run(0.1)
 
 
-def after_its_own_stop(short, beside, is_told=True):
+def after_its_own_stop(short, beside, is_reported=True):
     """Held that far short of the last set-point and beside the path, as the robot says or not."""
     rig = pulling()
     rig.robot.fault = "set-points stopped coming while moving"
@@ -38,7 +38,7 @@ def after_its_own_stop(short, beside, is_told=True):
     place = robot_joints(grasp.pull.evaluate(grasp.s - short).q + beside * BESIDE, opening)
     rig.robot.push(place - rig.robot.measured_js().position)
     rig.robot.hold()
-    rig.robot.sent_to = place if is_told else None
+    rig.robot.sent_to = place if is_reported else None
     rig.run(0.3).say("hey robot")
     rig.run(0.1)
     np.testing.assert_allclose(rig.joints, place, atol=1e-12)
@@ -59,8 +59,8 @@ def largest_steps(rig, words):
 @pytest.mark.parametrize("words", ["pull less", "pull more", "release"])
 def test_no_joint_steps_further_in_a_tick_than_after_a_stop_by_voice(words):
     usual = largest_steps(after_a_stop(), words)
-    for short, beside, is_told in ((5e-4, 0.0, True), (3e-4, 1.0, False)):
-        rig = after_its_own_stop(short, beside, is_told)
+    for short, beside, is_reported in ((5e-4, 0.0, True), (3e-4, 1.0, False)):
+        rig = after_its_own_stop(short, beside, is_reported)
         most, unsaid = largest_steps(rig, words)
         assert most <= 1.1 * usual[0]
         assert unsaid <= 2.0 * usual[1] + 1e-7

@@ -14,49 +14,49 @@ from rst_control.types import Measurement
 def test_only_jaws_that_hold_tissue_are_sent_to_close_where_it_keeps_them_open(
     motion_config, home, gripped, opening
 ):
-    mover, still = SetpointState(MotionMaker(motion_config.controller)), np.zeros(10)
+    setpoint, still = SetpointState(MotionMaker(motion_config.controller)), np.zeros(10)
     kept_open = robot_joints(home, 0.1)
-    mover.synchronise(Measurement(kept_open, still, still, 1.0, gripped=gripped))
-    q, sent = planning_joints(mover.held)
+    setpoint.synchronise(Measurement(kept_open, still, still, 1.0, gripped=gripped))
+    q, sent = planning_joints(setpoint.held)
     np.testing.assert_allclose(q, home, atol=1e-12)
     assert sent == pytest.approx(opening)
 
 
 def test_wide_open_jaws_are_not_sent_to_close_whatever_a_sensor_says(motion_config, home):
-    mover, still = SetpointState(MotionMaker(motion_config.controller)), np.zeros(10)
+    setpoint, still = SetpointState(MotionMaker(motion_config.controller)), np.zeros(10)
     wide = robot_joints(home, 0.4)
-    mover.synchronise(Measurement(wide, still, still, 1.0, gripped=True))
-    np.testing.assert_array_equal(mover.held, wide)
+    setpoint.synchronise(Measurement(wide, still, still, 1.0, gripped=True))
+    np.testing.assert_array_equal(setpoint.held, wide)
 
 
 @pytest.mark.parametrize("last", [0.09, 0.3])
 def test_a_false_word_of_tissue_after_a_loss_does_not_move_jaws_that_stand_half_open(
     motion_config, home, last
 ):
-    mover, still = SetpointState(MotionMaker(motion_config.controller)), np.zeros(10)
-    mover.synchronise(Measurement(robot_joints(home, last), still, still, 1.0, gripped=False))
-    mover.lose()
+    setpoint, still = SetpointState(MotionMaker(motion_config.controller)), np.zeros(10)
+    setpoint.synchronise(Measurement(robot_joints(home, last), still, still, 1.0, gripped=False))
+    setpoint.lose()
     half_open = robot_joints(home, 0.09)
-    mover.synchronise(Measurement(half_open, still, still, 2.0, gripped=True))
-    np.testing.assert_allclose(mover.held, half_open, atol=1e-12)
+    setpoint.synchronise(Measurement(half_open, still, still, 2.0, gripped=True))
+    np.testing.assert_allclose(setpoint.held, half_open, atol=1e-12)
 
 
 def test_jaws_that_hold_tissue_stay_sent_where_they_were_after_a_loss(motion_config, home):
-    mover, still = SetpointState(MotionMaker(motion_config.controller)), np.zeros(10)
+    setpoint, still = SetpointState(MotionMaker(motion_config.controller)), np.zeros(10)
     kept_open = Measurement(robot_joints(home, 0.1), still, still, 1.0, gripped=True)
-    mover.synchronise(kept_open)
+    setpoint.synchronise(kept_open)
     for _ in range(3):
-        mover.lose()
-        mover.synchronise(kept_open)
-        assert planning_joints(mover.held)[1] == pytest.approx(0.0)
+        setpoint.lose()
+        setpoint.synchronise(kept_open)
+        assert planning_joints(setpoint.held)[1] == pytest.approx(0.0)
 
 
 def test_jaws_that_stopped_half_open_stay_where_the_robot_holds_them(motion_config, home):
     """Of a release that was cut off; a controller that is started anew cannot know of it."""
-    mover, still = SetpointState(MotionMaker(motion_config.controller)), np.zeros(10)
+    setpoint, still = SetpointState(MotionMaker(motion_config.controller)), np.zeros(10)
     half_open = robot_joints(home, 0.041)
-    mover.synchronise(Measurement(half_open, still, still, 1.0, gripped=True), half_open)
-    np.testing.assert_array_equal(mover.held, half_open)
-    mover.lose()
-    mover.synchronise(Measurement(half_open, still, still, 2.0, gripped=True))
-    assert planning_joints(mover.held)[1] == pytest.approx(0.041)  # as it remembers
+    setpoint.synchronise(Measurement(half_open, still, still, 1.0, gripped=True), half_open)
+    np.testing.assert_array_equal(setpoint.held, half_open)
+    setpoint.lose()
+    setpoint.synchronise(Measurement(half_open, still, still, 2.0, gripped=True))
+    assert planning_joints(setpoint.held)[1] == pytest.approx(0.041)  # as it remembers

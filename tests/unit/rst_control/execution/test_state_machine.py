@@ -118,7 +118,7 @@ def test_refusals_name_their_reason():
     assert reason(state_machine.faulted(moving, FAULT)) is Reason.HALTED
 
 
-def test_the_first_cause_of_a_halt_is_the_one_that_is_told():
+def test_the_first_cause_of_a_halt_is_the_one_that_is_reported():
     moving = state_machine.started(state_machine.activated(ControllerMode()))
     mode = state_machine.stopped(state_machine.faulted(moving, FAULT), HALT)
     assert state_machine.at_rest(mode).cause is FAULT

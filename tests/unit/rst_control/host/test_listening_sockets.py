@@ -78,7 +78,7 @@ def test_connections_are_no_listeners_and_other_words_are_passed_over():
         ("::ffff:192.168.1.7", False),
     ],
 )
-def test_loopback_is_told_from_the_rest(address, is_it):
+def test_loopback_is_distinguished_from_the_rest(address, is_it):
     assert is_loopback(address) is is_it
 
 

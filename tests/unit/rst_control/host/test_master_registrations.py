@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What one ROS master knew is told to the next."""
+"""What one ROS master knew is registered with the next."""
 
 from rst_control.host.master_registrations import Registrations, missing_parameters, pairs_of
 
@@ -28,12 +28,12 @@ def test_all_is_registered_publishers_before_subscribers():
     assert (*service, "http://127.0.0.1:2") in calls
 
 
-def test_whoever_shows_that_all_was_done_comes_last():
+def test_the_node_that_shows_that_all_was_done_comes_last():
     calls = KNOWN.calls(last="/controller")
     assert [call[1] for call in calls] == ["/robot"] * 2 + ["/controller"] * 3
 
 
-def test_what_the_next_one_knows_is_not_told_again():
+def test_what_the_next_one_knows_is_not_registered_again():
     assert KNOWN.without(KNOWN).calls() == []
     present = KNOWN.of({"/robot"})
     assert {call[1] for call in KNOWN.without(present).calls()} == {"/controller"}
@@ -86,7 +86,7 @@ def test_a_publisher_that_was_started_anew_is_news_though_its_name_is_known():
     assert moved.news(KNOWN) == {"/joint_states"}
 
 
-def test_subscribers_are_told_all_publishers_of_their_topics():
+def test_subscribers_get_all_publishers_of_their_topics():
     more = Registrations(
         publishers=frozenset({("/joint_states", "/other"), ("/joint_states", "/gone")}),
         subscribers=frozenset({("/state", "/gone")}),

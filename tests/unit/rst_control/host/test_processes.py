@@ -42,7 +42,7 @@ def test_one_that_runs_is_well_whether_it_works_or_waits(server):
         assert waiting.state() == working.state() == ""
 
 
-def test_one_that_is_stopped_is_told_and_well_again_when_it_goes_on(server):
+def test_one_that_is_stopped_is_reported_and_well_again_when_it_goes_on(server):
     process = process_of(server[0].pid, server[1])
     server[0].send_signal(signal.SIGSTOP)
     becomes(process, STOPPED)
@@ -50,7 +50,7 @@ def test_one_that_is_stopped_is_told_and_well_again_when_it_goes_on(server):
     becomes(process, "")
 
 
-def test_one_that_was_killed_has_ended_before_and_after_its_parent_looks(server):
+def test_one_that_was_killed_has_ended_before_and_after_its_parent_waits_for_it(server):
     process = process_of(server[0].pid, server[1])
     server[0].kill()
     becomes(process, ENDED)
@@ -74,7 +74,7 @@ def test_who_does_not_listen_there_is_not_believed(server):
     assert process_of(2**22 + 1, server[1]) is None
 
 
-def told(tmp_path, name, state, flags=0x400000, pending=0):
+def state_of(tmp_path, name, state, flags=0x400000, pending=0):
     """What is made of a stat file with these fields, of a process started at tick 42."""
     folder = tmp_path / "7" / "task" / "7"
     folder.mkdir(parents=True, exist_ok=True)
@@ -86,15 +86,15 @@ def told(tmp_path, name, state, flags=0x400000, pending=0):
 
 
 def test_a_name_with_spaces_and_brackets_hides_nothing(tmp_path):
-    assert told(tmp_path, "a) S (b", "T") == STOPPED
-    assert told(tmp_path, "a) T (b", "S") == ""
+    assert state_of(tmp_path, "a) S (b", "T") == STOPPED
+    assert state_of(tmp_path, "a) T (b", "S") == ""
 
 
 def test_one_that_is_being_taken_down_has_ended_though_it_still_holds_its_memory(tmp_path):
-    assert told(tmp_path, "a", "R", flags=0x400004) == ENDED
+    assert state_of(tmp_path, "a", "R", flags=0x400004) == ENDED
 
 
 def test_one_that_was_killed_has_ended_before_it_gets_a_processor_to_die_on(tmp_path):
-    assert told(tmp_path, "a", "R", pending=1 << (signal.SIGKILL - 1)) == ENDED
-    assert told(tmp_path, "a", "R", pending=1 << (signal.SIGUSR1 - 1)) == ""
-    assert told(tmp_path, "a", "S") == ""
+    assert state_of(tmp_path, "a", "R", pending=1 << (signal.SIGKILL - 1)) == ENDED
+    assert state_of(tmp_path, "a", "R", pending=1 << (signal.SIGUSR1 - 1)) == ""
+    assert state_of(tmp_path, "a", "S") == ""

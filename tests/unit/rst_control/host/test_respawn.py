@@ -45,7 +45,7 @@ def test_who_crashes_is_started_anew(tmp_path, crash, capfd):
     assert capfd.readouterr().err.count("is started anew") == 2
 
 
-def test_only_what_is_started_again_after_a_crash_is_told_so(tmp_path):
+def test_only_what_is_started_again_after_a_crash_finds_that_in_its_environment(tmp_path):
     then = f"assert ({respawn.RESTART!r} in os.environ) == (count > 1)"
     assert respawn.Respawner(command(tmp_path, f"{then}\nif count < 2: os.abort()")).run() == 0
     assert len(pids(tmp_path)) == 2
@@ -149,7 +149,7 @@ def test_a_crash_of_what_is_kept_does_not_end_the_keeper(tmp_path):
 @pytest.mark.parametrize(
     "waits", ["signal.pause()", "[signal.signal(n, lambda *_: 0) for n in (2, 15)]"]
 )
-def test_what_is_kept_ends_when_whoever_started_the_keeper_is_killed(tmp_path, waits):
+def test_what_is_respawned_ends_when_the_parent_of_the_respawner_is_killed(tmp_path, waits):
     program = "from rst_control.host import respawn; respawn.PATIENCE = 0.2; respawn.main()"
     words = command(tmp_path, f"{waits}\nwhile True: signal.pause()")
     starter = f"import subprocess; subprocess.run({(sys.executable, '-c', program, *words)!r})"

@@ -21,7 +21,7 @@ def test_wide_jaws_leave_less_yaw(motion_config):
     assert narrow.upper[8] - wide.upper[8] == pytest.approx(0.4)
 
 
-def test_the_layer_in_force_sets_velocity_and_acceleration(motion_config):
+def test_the_active_layer_sets_velocity_and_acceleration(motion_config):
     soft = make_limits(replace(motion_config.limits, layer="driver_soft"), 0.0)
     hard = make_limits(replace(motion_config.limits, layer="hard"), 0.0)
     assert soft.velocity[0] == pytest.approx(0.8727)

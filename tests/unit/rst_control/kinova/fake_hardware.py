@@ -24,7 +24,7 @@ OPENING = 0.6  # [rad] of the jaws on the way
 
 
 class FakeHardware:
-    """Takes what the bridge sends; `advance` moves time on and tells what is measured."""
+    """Takes what the bridge sends; `advance` moves time on and reports what is measured."""
 
     def __init__(self, joints, delay=0.020, now=100.0):
         self.now = self.start = now
@@ -37,7 +37,7 @@ class FakeHardware:
         self.wanted = np.zeros(7)
         self.speeds, self.tools, self.stops, self.clears = [], [], [], 0
         self.lost_stops = 0  # of the next ones, that never reach the arm
-        self.tells_arm = self.tells_tool = self.guards = self.tells_report = True
+        self.reports_arm = self.reports_tool = self.guards = self.reports_state = True
         self.report = ArmReport(ArmState.SERVOING_READY, 1, now)
         self.bridge = None
         self.steps = 0
@@ -68,21 +68,21 @@ class FakeHardware:
         self.bridge.tool.update_state(ToolState.POSITION_CONTROL.value)
         self.bridge.tool.is_homed = True
         self.bridge.watch.limits = SoftLimits(np.full(7, 0.87), ACCELERATION)
-        self.tell()
+        self.report_all()
         return self.bridge
 
     @property
     def joints(self):
         return np.concatenate([self.arm, self.tool_joints])
 
-    def tell(self):
-        if self.tells_tool:
+    def report_all(self):
+        if self.reports_tool:
             self.bridge.on_tool(JointFeedback(self.tool_joints, np.zeros(3), np.zeros(3), self.now))
         if self.guards:
             self.bridge.on_guard(self.now)
-        if self.tells_report:
+        if self.reports_state:
             self.bridge.on_arm_report(replace(self.report, stamp=self.now))
-        if self.tells_arm:
+        if self.reports_arm:
             seen = self.arm + self.offset
             self.bridge.on_arm(JointFeedback(seen, self.speed.copy(), np.zeros(7), self.now))
 
@@ -100,7 +100,7 @@ class FakeHardware:
             if setpoint is not None and self.steps % 2 == 0:
                 self.bridge.servo_jp(Setpoint(*setpoint(self.now), self.now), self.now)
             if self.steps % 25 == 0:
-                self.tell()
+                self.report_all()
             if self.steps % 5 == 0:
                 self.bridge.step(self.now)
             self.each()

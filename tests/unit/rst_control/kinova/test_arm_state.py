@@ -224,7 +224,7 @@ def test_velocities_of_the_driver_long_after_a_motion_are_another_hand(hardware,
 
 
 def test_an_arm_that_never_reports_its_state_is_not_led_and_the_setting_is_named(hardware):
-    hardware.tells_report = False
+    hardware.reports_state = False
     hardware.bridge.watch.report = None
     hardware.advance(0.1)
     cause = robot_fault(hardware.bridge.fault(hardware.now))
@@ -235,7 +235,7 @@ def test_an_arm_that_never_reports_its_state_is_not_led_and_the_setting_is_named
 
 def test_a_state_that_ends_is_too_old(hardware):
     hardware.advance(0.1)
-    hardware.tells_report = False
+    hardware.reports_state = False
     hardware.advance(0.4)
     assert "state is 0." in hardware.bridge.fault(hardware.now)
     assert "allowed 0.25 s" in hardware.bridge.fault(hardware.now)
@@ -247,7 +247,7 @@ def without_state(kinova):
 
 
 def test_a_driver_without_a_state_is_led_where_the_setting_says_so(hardware, kinova):
-    hardware.tells_report = False
+    hardware.reports_state = False
     hardware.ready(without_state(kinova))
     hardware.bridge.watch.limits = None
     hardware.advance(0.2)
@@ -256,9 +256,9 @@ def test_a_driver_without_a_state_is_led_where_the_setting_says_so(hardware, kin
 
 def test_after_a_gap_the_limits_are_asked_for_anew(hardware):
     hardware.advance(0.1)
-    hardware.tells_report = False
+    hardware.reports_state = False
     hardware.advance(0.5)
-    hardware.tells_report = True
+    hardware.reports_state = True
     hardware.advance(0.1)
     cause = robot_fault(hardware.bridge.fault(hardware.now))
     assert cause.reason is Reason.ARM_LIMITS

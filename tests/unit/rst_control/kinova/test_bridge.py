@@ -33,7 +33,7 @@ def test_the_arm_follows_the_course_with_the_shaft_in_the_trocar(hardware, way, 
     assert len(hardware.speeds) == pytest.approx(6.0 / 0.025, abs=2)
 
 
-def test_another_lag_than_thought_costs_the_trocar_little_and_is_told(hardware, way, planner):
+def test_another_lag_than_thought_costs_the_trocar_little_and_is_reported(hardware, way, planner):
     hardware.delay = 0.060
     errors = []
     hardware.each = lambda: errors.append(shaft_error(planner, hardware.joints))
@@ -80,7 +80,7 @@ def test_a_blocked_joint_stops_the_arm_by_name(hardware, way):
 def test_old_feedback_brakes_the_arm_along_its_course_then_stops_it(hardware, way, planner):
     hardware.advance(1.0, way)
     assert np.abs(hardware.speed).max() > 0.0
-    hardware.tells_arm, errors = False, []
+    hardware.reports_arm, errors = False, []
     hardware.each = lambda: errors.append(shaft_error(planner, hardware.joints))
     hardware.advance(0.1, way)
     assert "joints of the arm" in hardware.bridge.fault(hardware.now)
@@ -96,7 +96,7 @@ def test_a_state_that_comes_once_more_after_a_gap_is_none(hardware, way):
     hardware.advance(1.0, way)
     stale = JointFeedback(hardware.arm.copy(), hardware.speed.copy(), np.zeros(7), hardware.now)
     hardware.bridge.on_arm(stale)
-    hardware.tells_arm = False
+    hardware.reports_arm = False
     hardware.advance(0.2, way)
     again = JointFeedback(stale.position, stale.velocity, stale.effort, hardware.now)
     hardware.bridge.on_arm(again)
@@ -155,9 +155,9 @@ def test_a_hold_ends_at_rest_and_set_points_may_follow(hardware, way):
 
 def test_a_fault_clears_at_rest_only_and_asks_the_arm_to_clear_its_own(hardware, way):
     hardware.advance(1.5, way)
-    hardware.bridge.fail("told so", hardware.now)
+    hardware.bridge.fail("failed on purpose", hardware.now)
     hardware.bridge.clear_fault(hardware.now)
-    assert hardware.bridge.fault(hardware.now) == "told so"
+    assert hardware.bridge.fault(hardware.now) == "failed on purpose"
     assert hardware.clears == 0
     hardware.advance(1.0)
     hardware.bridge.clear_fault(hardware.now)
@@ -172,8 +172,8 @@ def test_nothing_moves_before_guard_and_tool_are_there(kinova, hardware, way):
         (lambda h: setattr(h, "guards", False), "stop guard"),
         (lambda h: h.bridge.tool.update_state(ToolState.CONNECTED.value), "not homed"),
         (lambda h: h.bridge.tool.update_state(ToolState.READY.value), "needed: POSITION_CONTROL"),
-        (lambda h: setattr(h, "tells_tool", False), "joints of OpenRST"),
-        (lambda h: setattr(h, "tells_arm", False), "joints of the arm"),
+        (lambda h: setattr(h, "reports_tool", False), "joints of OpenRST"),
+        (lambda h: setattr(h, "reports_arm", False), "joints of the arm"),
     ):
         one = FakeHardware(hardware.joints)
         one.ready(kinova)
@@ -194,10 +194,10 @@ def test_what_is_lost_in_motion_stops_the_arm_and_latches(hardware, way, lost):
     elif lost == "homing":
         hardware.bridge.tool.update_state(ToolState.CONNECTED.value)
     else:
-        hardware.tells_tool = False
+        hardware.reports_tool = False
     hardware.advance(1.0, way)
     assert np.abs(hardware.speed).max() == 0.0
-    hardware.guards = hardware.tells_tool = True
+    hardware.guards = hardware.reports_tool = True
     hardware.bridge.tool.update_state(ToolState.POSITION_CONTROL.value)
     hardware.bridge.tool.is_homed = True
     hardware.advance(0.5, way)
@@ -205,7 +205,7 @@ def test_what_is_lost_in_motion_stops_the_arm_and_latches(hardware, way, lost):
     assert np.abs(hardware.speed).max() == 0.0
 
 
-def test_where_it_ends_is_looked_at(hardware, way):
+def test_where_it_ends_is_checked(hardware, way):
     config = replace(hardware.bridge._config.arm, gain=0.0)
     hardware.bridge._follower._config = config
     hardware.advance(0.5, way)
@@ -234,7 +234,7 @@ def test_the_tool_goes_along_with_the_arm_and_within_its_limits(hardware, way, k
         assert (np.array(tool.lower) <= joints).all() and (joints <= np.array(tool.upper)).all()
 
 
-def test_jaws_that_stay_open_tell_of_tissue(hardware):
+def test_jaws_that_stay_open_show_that_tissue_is_held(hardware):
     hardware.tissue, close = 0.1, closing(hardware)
     hardware.advance(1.0, close)
     assert hardware.bridge.is_gripped
@@ -249,7 +249,7 @@ def test_closing_on_nothing_grips_nothing(hardware):
     assert not hardware.bridge.is_gripped
 
 
-def test_tension_that_is_old_is_not_told(hardware):
+def test_tension_that_is_old_is_not_reported(hardware):
     assert hardware.bridge.force(hardware.now) is None
     hardware.bridge.on_force(np.array([0.0, 0.0, 1.0]), hardware.now)
     assert hardware.bridge.force(hardware.now + 0.09) is not None
@@ -260,7 +260,7 @@ def test_after_a_fault_the_jaws_stay_sent_to_close_on_the_tissue(hardware):
     q, _ = planning_joints(hardware.joints)
     hardware.tissue = 0.1
     hardware.advance(1.0, closing(hardware))
-    hardware.bridge.fail("told so", hardware.now)
+    hardware.bridge.fail("failed on purpose", hardware.now)
     hardware.advance(1.0)
     assert hardware.bridge.is_gripped
     hardware.bridge.clear_fault(hardware.now)
@@ -272,7 +272,7 @@ def test_after_a_fault_the_jaws_stay_sent_to_close_on_the_tissue(hardware):
     assert sent[1] + sent[2] <= 0.0
 
 
-def test_it_tells_where_it_holds_the_jaws_on_the_tissue_and_nothing_while_it_is_led(hardware):
+def test_it_reports_where_it_holds_the_jaws_on_the_tissue_and_nothing_while_it_is_led(hardware):
     stand, close = hardware.joints, closing(hardware)
     hardware.tissue = 0.1
     seen = []

@@ -18,7 +18,7 @@ def test_it_is_not_homed_while_tissue_is_held_or_the_arm_is_led(hardware, way):
     hardware.bridge._grip.is_gripped = False
     hardware.advance(1.0, way)
     assert "not at rest (course)" in hardware.bridge.begin_homing() and tool.is_homed
-    hardware.bridge.fail("told so", hardware.now)
+    hardware.bridge.fail("failed on purpose", hardware.now)
     hardware.advance(0.1, way)
     assert np.abs(hardware.speed).max() > 0.01
     assert "not at rest" in hardware.bridge.begin_homing() and tool.is_homed

@@ -51,14 +51,14 @@ def test_a_stop_that_is_lost_at_the_begin_of_a_motion_is_made_up_for(hardware, w
 def test_rest_that_was_seen_before_the_stop_ends_nothing(hardware, way):
     hardware.advance(JUST_BEGUN, way)
     fault_of_the_arm(hardware)
-    hardware.tells_arm = False
+    hardware.reports_arm = False
     hardware.bridge.on_arm(feedback(hardware, hardware.now))
     hardware.advance(0.05)
     assert hardware.bridge.lead is Lead.STOP
 
 
 def test_an_arm_that_was_never_led_is_stopped_and_then_led_by_nobody(hardware):
-    hardware.bridge.fail("told so", hardware.now)
+    hardware.bridge.fail("failed on purpose", hardware.now)
     hardware.advance(0.3)
     assert len(hardware.stops) >= 2
     assert hardware.bridge.lead is Lead.NOBODY

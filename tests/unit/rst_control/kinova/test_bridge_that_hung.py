@@ -38,7 +38,7 @@ def test_it_stays_where_the_guard_stopped_it_and_says_why(rig):
     rig.lost = "bridge"
     rig.run(1.0)
     assert rig.speed < 1e-3
-    while (rig._steps + 1) % 25:  # what it hears first is fresh: only its own clock tells
+    while (rig._steps + 1) % 25:  # what it hears first is fresh: only its own clock shows the gap
         rig.step()
     place, rig.lost = joints(rig), None
     rig.run(2.0)
@@ -69,7 +69,7 @@ def test_one_that_is_late_at_rest_takes_the_set_points_that_waited(hardware, way
     hardware.now += 0.065  # nothing ran
     hardware.start += 0.065
     hardware.arm = hardware.arm + 1e-6  # no state twice, as from a real arm
-    hardware.tell()
+    hardware.report_all()
     hardware.bridge.servo_jp(Setpoint(*way(hardware.now), hardware.now), hardware.now)
     hardware.bridge.step(hardware.now)
     hardware.advance(0.05, way)

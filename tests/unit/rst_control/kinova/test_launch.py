@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""launch/kinova.launch: nothing starts where something is missing; what is given is in force."""
+"""launch/kinova.launch: nothing starts where something is missing; what is given takes effect."""
 
 from contextlib import nullcontext
 from pathlib import Path

@@ -19,6 +19,7 @@ PUBLISHERS = {
     "/my_gen3/base_feedback/joint_state": [ARM],
     "/my_gen3/in/joint_velocity": ["/kinova_bridge", "/kinova_guard"],
 }
+ROWS = ("position", "velocity", "effort")  # of joint states
 SUBSCRIBERS = {"/my_gen3/in/joint_velocity": [ARM], "/my_gen3/in/stop": [ARM]}
 
 
@@ -29,16 +30,16 @@ def feedback(rig, kinova, steps):
     for count in range(steps):
         rig.drivers.step()
         rig.robot.step()
-        told = rig.drivers.arm_feedback() if count % 25 == 0 else None
-        if told is not None:
-            values = {"position": told.position, "velocity": told.velocity, "effort": told.effort}
+        reading = rig.drivers.arm_feedback() if count % 25 == 0 else None
+        if reading is not None:
+            values = {row: getattr(reading, row) for row in ROWS}
             found.append(reader.read(arm.joints, values, rig.now))
     return found
 
 
 def tool_feedback(rig, kinova):
-    tool, rows = kinova.bridge.tool, ("position", "velocity", "effort")
-    values = dict.fromkeys(rows, np.zeros(3))
+    tool = kinova.bridge.tool
+    values = dict.fromkeys(ROWS, np.zeros(3))
     return FeedbackReader(tool.joints, tool.signs, None).read(tool.joints, values, rig.now)
 
 

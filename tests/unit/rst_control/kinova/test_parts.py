@@ -23,9 +23,9 @@ def values(*position):
 class TestFeedback:
     def test_other_orders_and_strangers_are_put_right(self):
         read = FeedbackReader(NAMES, (1.0, 1.0, -1.0), None)
-        told = read.read(("c", "x", "a", "b"), values(3.0, 9.0, 1.0, 2.0), 5.0)
-        np.testing.assert_allclose(told.position, [1.0, 2.0, -3.0])
-        assert told.stamp == 5.0
+        reading = read.read(("c", "x", "a", "b"), values(3.0, 9.0, 1.0, 2.0), 5.0)
+        np.testing.assert_allclose(reading.position, [1.0, 2.0, -3.0])
+        assert reading.stamp == 5.0
 
     @pytest.mark.parametrize(
         ("names", "position", "words"),
@@ -43,11 +43,11 @@ class TestFeedback:
     def test_angles_go_on_over_half_a_turn(self):
         read = FeedbackReader(("a",), (1.0,), (1.0,))
         course = np.linspace(2.0, 9.0, 200)
-        told = [
+        reading = [
             read.read(("a",), values(float(np.mod(q + np.pi, 2 * np.pi) - np.pi)), 0.0).position
             for q in course
         ]
-        np.testing.assert_allclose(np.ravel(told), course, atol=1e-12)
+        np.testing.assert_allclose(np.ravel(reading), course, atol=1e-12)
 
     def test_the_first_state_is_in_the_turn_of_home(self):
         read = FeedbackReader(NAMES, (1.0, 1.0, 1.0), (3.1, -3.1, float("nan")))
@@ -62,8 +62,8 @@ class TestFeedback:
         names = config.bridge.arm.joints
         read = FeedbackReader(names, (1.0,) * 7, config.first_turns)
         for joint_4 in (2.3, -1.2, 2.3):
-            told = read.read(names, values(*(0.0,) * 3, joint_4, *(0.0,) * 3), 0.0)
-            assert told.position[3] == joint_4
+            reading = read.read(names, values(*(0.0,) * 3, joint_4, *(0.0,) * 3), 0.0)
+            assert reading.position[3] == joint_4
 
     def test_only_joints_that_turn_for_ever_take_the_turn_of_home(self):
         config = load_kinova_config()
@@ -75,8 +75,8 @@ class TestFeedback:
 
     @given(st.floats(-20.0, 20.0), st.floats(-3.0, 3.0))
     def test_unwrapping_takes_the_nearest_turn(self, last, step):
-        told = np.mod(np.array([last + step]) + np.pi, 2 * np.pi) - np.pi
-        np.testing.assert_allclose(unwrapped(told, np.array([last])), [last + step], atol=1e-9)
+        reading = np.mod(np.array([last + step]) + np.pi, 2 * np.pi) - np.pi
+        np.testing.assert_allclose(unwrapped(reading, np.array([last])), [last + step], atol=1e-9)
 
 
 vectors = st.lists(st.floats(-0.3, 0.3), min_size=4, max_size=4).map(np.array)

@@ -104,16 +104,16 @@ def closing(opening, rate):
 @pytest.mark.parametrize("rate", [0.02, 0.045, 0.45])
 def test_jaws_that_tissue_keeps_open_are_not_frozen_however_slowly_they_close(rate):
     stuck = states(0.0, 14.0, jaws=closing(0.04, rate))
-    told = states(0.0, 14.0, jaws=closing(0.0, rate))
-    pairs = [(m, setpoint) for (m, _), (_, setpoint) in zip(stuck, told, strict=True)]
+    commanded = states(0.0, 14.0, jaws=closing(0.0, rate))
+    pairs = [(m, setpoint) for (m, _), (_, setpoint) in zip(stuck, commanded, strict=True)]
     assert planning_joints(pairs[-1][0].position)[1] > planning_joints(pairs[-1][1])[1] + 0.03
     assert objection(pairs) == ""
 
 
 def test_jaws_that_do_not_open_are_found():
     stuck = states(0.0, 6.0, jaws=lambda time: 0.1)
-    told = states(0.0, 6.0, jaws=lambda time: 0.1 + 0.2 * max(0.0, time - 1.0))
-    pairs = [(m, setpoint) for (m, _), (_, setpoint) in zip(stuck, told, strict=True)]
+    commanded = states(0.0, 6.0, jaws=lambda time: 0.1 + 0.2 * max(0.0, time - 1.0))
+    pairs = [(m, setpoint) for (m, _), (_, setpoint) in zip(stuck, commanded, strict=True)]
     assert "joint_finger" in objection(pairs)
 
 

@@ -97,7 +97,7 @@ def test_a_wrist_off_its_course_for_a_while_is_a_fault_and_open_jaws_are_not(too
     assert "allowed 0.150" in words
 
 
-def test_the_yaw_is_looked_at_too(tool):
+def test_the_yaw_is_checked_too(tool):
     tool.feedback = feedback(0.0, 0.3, -0.3)
     tool.following(np.zeros(3), NOW)
     assert "yaw of OpenRST +0.300" in tool.following(np.zeros(3), NOW + 1.0)

@@ -224,7 +224,7 @@ def test_a_standoff_that_leaves_no_margin_however_the_shaft_stands_is_refused_at
         Insertion(near).warm_up()
 
 
-def test_a_standoff_that_leaves_no_margin_where_the_shaft_leans_is_told_at_start(planner, caplog):
+def test_a_standoff_without_a_margin_where_the_shaft_leans_is_reported_at_start(planner, caplog):
     scene = replace(planner.config.scene, standoff=0.0221)
     near = Planner(planner.model, replace(planner.config, scene=scene))
     Insertion(near).warm_up()

@@ -36,7 +36,7 @@ def near_home(planner, home, count, seed):
 
 def test_placement_is_what_pybullet_says(planner, home, patient, witness):
     for q in [*anywhere(planner, 200, 1), *near_home(planner, home, 200, 2)]:
-        place, sight = patient.trocar_pose(q), witness.look(q)
+        place, sight = patient.trocar_pose(q), witness.observe(q)
         assert place.error == pytest.approx(sight.error, abs=FLOAT_NOISE)
         assert place.wrist == pytest.approx(sight.wrist, abs=FLOAT_NOISE)
         assert place.height == pytest.approx(min(sight.tool, sight.arm), abs=FLOAT_NOISE)
@@ -45,7 +45,7 @@ def test_placement_is_what_pybullet_says(planner, home, patient, witness):
 def test_only_a_robot_wholly_outside_counts_as_outside(planner, home, patient, witness):
     margin, seen = WATCHED * planner.config.scene.surface_margin, {True: 0, False: 0}
     for q in [*anywhere(planner, 400, 3), *near_home(planner, home, 100, 4)]:
-        place, sight = patient.trocar_pose(q), witness.look(q)
+        place, sight = patient.trocar_pose(q), witness.observe(q)
         lowest = min(sight.tool, sight.arm)
         if abs(lowest - margin) > FLOAT_NOISE:
             assert place.is_outside == (lowest > margin)

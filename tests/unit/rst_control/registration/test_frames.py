@@ -38,7 +38,7 @@ def test_a_slash_in_front_makes_no_difference():
     )
 
 
-def test_a_frame_that_nobody_tells_of_is_refused_by_name():
+def test_a_frame_that_nobody_publishes_is_refused_by_name():
     refused = frames().in_base("microscope", 10.0, 0.2)
     assert isinstance(refused, Cause) and refused.reason is Reason.UNKNOWN_FRAME
     assert "'microscope'" in refused.words and "does not join" in refused.words

@@ -255,7 +255,7 @@ def test_a_refusal_is_reported_and_holds_until_the_situation_changes():
     assert not again.accepted
 
 
-def test_a_refusal_is_reported_no_longer_once_the_point_is_in_force_by_another_way(monkeypatch):
+def test_a_refusal_is_reported_no_longer_once_the_point_is_active_by_another_way(monkeypatch):
     here = setting()
     beside = here.first + np.array([0.0, 0.02, 0.0])
     grasp = follower(here)

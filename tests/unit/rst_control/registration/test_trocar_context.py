@@ -74,7 +74,7 @@ def test_a_trocar_that_is_no_point_is_refused(context, bad):
         context.with_trocar((0.4, bad, 0.4))
 
 
-def test_those_who_ask_the_present_site_are_answered_by_the_one_in_force(context, at_home):
+def test_questions_to_the_present_context_are_answered_by_the_active_one(context, at_home):
     present = ActiveTrocarContext(context)
     verify, locate = present.verify, present.trocar_pose
     before = locate(at_home).rcm_error

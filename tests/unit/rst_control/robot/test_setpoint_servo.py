@@ -56,7 +56,7 @@ def test_without_setpoints_it_holds_where_it_started():
     assert robot.fault == ""
 
 
-def test_it_tells_where_it_holds_while_nobody_leads_it():
+def test_it_reports_where_it_holds_while_nobody_leads_it():
     robot = servo()
     assert np.array_equal(robot.rest, HOME)
     stream(robot, 0.3)

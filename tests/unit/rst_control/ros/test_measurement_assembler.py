@@ -62,7 +62,7 @@ def link():
     return Link()
 
 
-def test_until_the_robot_has_told_of_its_grip_nothing_is_measured(link):
+def test_until_the_robot_has_reported_its_grip_nothing_is_measured(link):
     """Jaws that hold tissue would be sent to where it keeps them open, and so let it go."""
     link.assembler.gripped = None
     assert link.run(0.1) is None
@@ -76,7 +76,7 @@ def rest_at(position, now=1.0):
     return Message(raw, now)
 
 
-def test_where_the_robot_holds_its_joints_is_told_on_until_the_robot_is_lost(link):
+def test_where_the_robot_holds_its_joints_is_passed_on_until_the_robot_is_lost(link):
     assert link.run(0.01).sent_to is None
     link.assembler.rest = rest_at(np.full(10, 0.25))
     for _ in range(2):
@@ -203,7 +203,7 @@ def test_a_tension_that_stops_coming_is_a_fault_in_a_while_and_not_before(link):
     assert "tension is not measured" in link.run(3 * PERIOD, tension=None).fault
 
 
-def test_a_grip_and_a_fault_of_the_robot_are_known_with_the_next_look(link):
+def test_a_grip_and_a_fault_of_the_robot_are_known_with_the_next_measurement(link):
     link.run(0.1)
     link.assembler.fault, link.assembler.gripped = "brakes on", True
     link.now += PERIOD

@@ -46,7 +46,7 @@ def test_a_node_that_was_launched_anew_with_the_same_is_none(settings):
     assert settings.update(robot_and(dict(LAUNCHED), dict(LAUNCHED))) == ""
 
 
-def looks(settings, nodes, count):
+def updates(settings, nodes, count):
     return [settings.update(nodes) for _ in range(count)]
 
 
@@ -57,7 +57,7 @@ def test_a_node_that_is_launched_again_with_the_same_is_none_however_long_it_sta
     assert settings.update(ALONE) == ""  # cleared, and not set yet
     partly = {"tension": {}, "rate": 500.0}
     assert settings.update(robot_and(None, partly)) == ""
-    assert set(looks(settings, robot_and(None, LAUNCHED), 5 * GONE_LOOKS)) == {""}
+    assert set(updates(settings, robot_and(None, LAUNCHED), 5 * GONE_LOOKS)) == {""}
     assert settings.problem == ""
     assert settings.update(robot_and(LAUNCHED, LAUNCHED)) == ""
 
@@ -82,13 +82,13 @@ def test_other_settings_are_named_at_once_where_a_node_keeps_none(settings, now)
     ],
 )
 def test_settings_that_stay_gone_are_named_once(settings, nodes, words):
-    assert looks(settings, nodes, GONE_LOOKS + 1) == [""] * (GONE_LOOKS - 1) + [words, ""]
+    assert updates(settings, nodes, GONE_LOOKS + 1) == [""] * (GONE_LOOKS - 1) + [words, ""]
     assert settings.problem == words
 
 
 def test_settings_that_were_gone_for_a_moment_again_and_again_are_none(settings):
     for _ in range(3):
-        assert set(looks(settings, ALONE, GONE_LOOKS - 1)) == {""}
+        assert set(updates(settings, ALONE, GONE_LOOKS - 1)) == {""}
         assert settings.update(robot_and(LAUNCHED, LAUNCHED)) == ""
 
 

@@ -87,7 +87,7 @@ def test_tension_over_its_limit_does_not_keep_the_robot_from_easing_it():
     assert WATCHDOGS.motion(0.0, high, replace(GOOD, raises_tension=False)) is None
 
 
-def test_a_robot_fault_is_told_apart_from_a_lost_robot():
+def test_a_robot_fault_is_distinguished_from_a_lost_robot():
     assert WATCHDOGS.robot(0.0, measured(fault="x")).reason is Reason.FAULTED
     assert WATCHDOGS.robot(0.0, None).reason is Reason.NOT_CONNECTED
     assert WATCHDOGS.robot(1.0, measured()).reason is Reason.STALE

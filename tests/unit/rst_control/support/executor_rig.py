@@ -51,7 +51,7 @@ class Rig:
         self.sent = []  # every set-point, None where nothing was sent
 
     def believing(self):
-        """Any measurement is believed, so that what it leads to besides can be seen."""
+        """Any measurement is believed, so that what else it leads to can be seen."""
         self.executor._watchdogs.update = lambda *_: None
         return self
 

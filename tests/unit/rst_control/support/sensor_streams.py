@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measurements of a robot that moves as told, to be spoilt by the tests of the sensors."""
+"""Measurements of a robot that moves as commanded, to be spoilt by the tests of the sensors."""
 
 from dataclasses import replace
 
@@ -41,7 +41,7 @@ def ramp(rate, start=0.0):
 
 
 def measurements(motion, seconds):
-    """Exact measurements, with the set-point in force at each. All joints move alike."""
+    """Exact measurements, with the set-point active at each. All joints move alike."""
     for k in range(round(seconds / PERIOD)):
         time = k * PERIOD
         position, velocity = motion(time - LATE * PERIOD)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Readings keep the sender's distance however they arrive, and whoever sets a clock."""
+"""Readings keep the sender's distance however they arrive, also when a clock is set."""
 
 from __future__ import annotations
 

@@ -53,8 +53,8 @@ def test_readings_that_are_not_newer_are_passed_over() -> None:
     assert bound.ahead == pytest.approx(0.1)
 
 
-def judged(delay: float, distrusted_until: float = 0.0) -> str:
-    """What the watchdogs say of a pull at 2.0 N that rose by 10 N/s, told late by a delay [s]."""
+def judged(delay: float, invalid_until: float = 0.0) -> str:
+    """What the watchdogs say of 2.0 N that rose by 10 N/s, reported late by a delay [s]."""
     settings = shared()[0].controller
     watchdogs = Watchdogs(
         WatchdogLimits(settings.watchdogs, 1e-3, 2.4, delay),
@@ -67,7 +67,7 @@ def judged(delay: float, distrusted_until: float = 0.0) -> str:
     for k in range(101):
         now = 0.002 * k
         force = np.array([0.0, 0.0, -10.0 * now])
-        invalid = "only 1 torque readings so far" if now < distrusted_until else ""
+        invalid = "only 1 torque readings so far" if now < invalid_until else ""
         measured = Measurement(
             still, still, still, now, force, gripped=True, tension_invalid_reason=invalid
         )
@@ -83,5 +83,5 @@ def test_a_pull_is_stopped_before_the_limit_by_the_rate_times_the_delay() -> Non
 
 
 def test_from_a_tension_that_was_not_trusted_nothing_rose() -> None:
-    assert judged(0.05, distrusted_until=0.1995) is None
-    assert "0.50 N more" in judged(0.05, distrusted_until=0.14).words
+    assert judged(0.05, invalid_until=0.1995) is None
+    assert "0.50 N more" in judged(0.05, invalid_until=0.14).words

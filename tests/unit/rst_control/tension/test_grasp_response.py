@@ -30,17 +30,17 @@ class Pull:
         """Pull on or ease by a way [m], unless an objection comes first."""
         for _ in range(round(abs(way) / speed / PERIOD)):
             self.s += np.sign(way) * speed * PERIOD
-            self.look(tension_at)
+            self.update(tension_at)
             if self.response.objection:
                 break
         return self
 
     def rest(self, seconds, tension_at):
         for _ in range(round(seconds / PERIOD)):
-            self.look(tension_at)
+            self.update(tension_at)
         return self
 
-    def look(self, tension_at):
+    def update(self, tension_at):
         self.now += PERIOD
         self.response.update(self.now, self.s, tension_at(self.s))
 

@@ -64,9 +64,9 @@ def test_a_stop_is_harder_than_the_motion_and_ends_in_time():
     rig = Rig().moving("reach")
     layer = rig.config.limits.active
     rig.run(0.1)
-    told, before = rig.now, rig.view.path_position
+    stopped, before = rig.now, rig.view.path_position
     rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
     rig.until(lambda: rig.state is State.HALTED)
-    assert rig.now - told <= layer.stopping_time + 3 * PERIOD
+    assert rig.now - stopped <= layer.stopping_time + 3 * PERIOD
     moved = rig.view.path_position - before
     assert moved <= layer.stopping_distance + rig.config.controller.speed.tip_speed * PERIOD

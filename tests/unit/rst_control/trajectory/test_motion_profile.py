@@ -84,7 +84,7 @@ def test_a_profile_without_a_target_does_not_move():
 
 
 @given(st.floats(0.0, 1.4), st.floats(0.001, 0.03))
-def test_braking_at_any_moment_ends_before_the_target_and_as_soon_as_foretold(moment, target):
+def test_braking_at_any_moment_ends_before_the_target_and_as_soon_as_predicted(moment, target):
     profile = MotionProfile(PathState(0.0), BOUNDS)
     profile.go_to(target)
     state = profile.step(moment)

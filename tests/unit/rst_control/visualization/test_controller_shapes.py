@@ -96,7 +96,7 @@ def test_held_tissue_shows_how_far_the_pull_may_go_and_release_ends_it(rig):
 
 
 @pytest.mark.parametrize(("tension", "colour"), [(2.0, GREEN), (2.2, AMBER), (2.5, RED)])
-def test_the_colour_of_the_pull_tells_its_limits(rig, tension, colour):
+def test_the_colour_of_the_pull_shows_its_limits(rig, tension, colour):
     rig.awake()
     pulled = replace(rig.view.measurement, force=np.array([0.0, 0.0, -tension]))
     assert shapes(rig, replace(rig.view, measurement=pulled))["tension"].colour == colour

@@ -67,7 +67,7 @@ def test_points_at_the_same_time_are_drawn_apart():
     assert rig.arm.position == pytest.approx(points[-1][0])
 
 
-def test_the_end_position_is_never_looked_at():
+def test_the_end_position_is_never_checked():
     rig = Rig()
     goal = sent(rig, turn(), 1.5)
     rig.arm._course._end = START.copy()  # the arm ends elsewhere
@@ -182,7 +182,7 @@ def test_a_new_goal_stops_the_old_one_which_nobody_answers():
     assert not rig.arm.velocity.any()
     rig.run(8.0)
     assert old.said == ["accepted"]
-    # the abort of the old motion is told to the new goal, whose motion is made all the same
+    # the abort of the old motion is reported to the new goal, whose motion is made all the same
     assert new.said == ["accepted", ("aborted", -4)]
     assert rig.arm.position[0] == pytest.approx(START[0] + 0.05)
 

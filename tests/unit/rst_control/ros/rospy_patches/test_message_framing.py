@@ -63,7 +63,7 @@ def test_a_handshake_is_waited_for_and_what_is_none_is_not():
     assert has_whole_header(bytes(4)) is False
 
 
-def test_refusals_are_told_seldom_with_the_number_kept_back():
+def test_refusals_are_reported_seldom_with_the_number_kept_back():
     now = [0.0]
     refusals = Refusals(lambda: now[0])
     assert refusals.count("/topic", "bad") == "bad"
@@ -75,5 +75,5 @@ def test_refusals_are_told_seldom_with_the_number_kept_back():
 
 def test_refusals_in_places_without_end_are_not_remembered_without_end():
     refusals = Refusals(lambda: 0.0)
-    told = [refusals.count(f"/topic{n}", "bad") for n in range(1000)]
-    assert sum(words != "" for words in told) <= MAX_PLACES + 1
+    reported = [refusals.count(f"/topic{n}", "bad") for n in range(1000)]
+    assert sum(words != "" for words in reported) <= MAX_PLACES + 1

@@ -101,7 +101,7 @@ def test_after_a_jam_messages_go_out_at_once_again(transport):
     assert transport.far.recv(5, socket.MSG_DONTWAIT) == b"again"
 
 
-def test_a_subscriber_that_went_is_told_to_the_publisher(transport):
+def test_a_subscriber_that_went_is_reported_to_the_publisher(transport):
     connection = NonblockingConnection(transport, 5)
     transport.far.close()
     with pytest.raises(BrokenPipeError):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The bridge's beat as a message: what the guard takes of it."""
+"""The bridge's heartbeat, BridgeBeat: what the guard takes from this message."""
 
 import numpy as np
 import pytest

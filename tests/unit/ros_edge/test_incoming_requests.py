@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What stands between rospy and the core, without a ROS system: sockets and handlers alone."""
+"""Requests that come in through rospy: limits of sockets, of the command service and of goals."""
 
 import logging
 import socket
@@ -198,7 +198,7 @@ def test_a_flood_is_refused_with_the_limits_and_its_stop_is_not(served):
     assert served.stops == ['"stop" from /panel']
 
 
-def test_whoever_is_not_on_the_list_is_refused_and_may_stop(served):
+def test_a_caller_that_is_not_on_the_list_is_refused_and_may_stop(served):
     for words in ("terminate", "tense", "hey robot", "dance"):
         assert "may not give commands" in served.call(request(words, "/stray")).message
     assert served.orders == []

@@ -14,14 +14,14 @@ from std_msgs.msg import Bool
 from support.waiting import wait_until
 from tests.support.robot_client import run_tests
 
-TOPIC = "/told_again/news"
+TOPIC = "/publishers_reported_again/news"
 
 
 class Subscriber:
-    """The API of a node, by hand: it notes each time that it is told who publishes."""
+    """The API of a node, by hand: it notes each update of the publishers."""
 
     def __init__(self):
-        self.told = []
+        self.updates = []
         self._server = SimpleXMLRPCServer(
             ("127.0.0.1", 0), SimpleXMLRPCRequestHandler, logRequests=False, allow_none=True
         )
@@ -31,19 +31,19 @@ class Subscriber:
 
     def _on_update(self, _caller, topic, uris):
         if topic == TOPIC:
-            self.told.append(tuple(uris))
+            self.updates.append(tuple(uris))
         return 1, "", 0
 
 
-class ToldAgain(unittest.TestCase):
-    def test_a_new_publisher_is_told_three_times_in_all(self):
+class PublishersReportedAgain(unittest.TestCase):
+    def test_a_new_publisher_is_reported_three_times_in_all(self):
         subscriber, master = Subscriber(), rosgraph.Master("/by_hand")
         wait_until(lambda: "/master_failover" in registered(), "master_failover")
         master.registerSubscriber(TOPIC, "std_msgs/Bool", subscriber.uri)
         publisher = rospy.Publisher(TOPIC, Bool, queue_size=1)
-        wait_until(lambda: subscriber.told.count((rospy.get_node_uri(),)) >= 3, "told three times")
+        wait_until(lambda: subscriber.updates.count((rospy.get_node_uri(),)) >= 3, "three updates")
         time.sleep(2.0)
-        self.assertEqual(subscriber.told.count((rospy.get_node_uri(),)), 3)
+        self.assertEqual(subscriber.updates.count((rospy.get_node_uri(),)), 3)
         publisher.unregister()
 
 
@@ -53,4 +53,4 @@ def registered():
 
 
 if __name__ == "__main__":
-    run_tests(ToldAgain, "told_again")
+    run_tests(PublishersReportedAgain, "publishers_reported_again")
