@@ -26,6 +26,8 @@ from voice_assist.evaluation.exact_bounds import rate_at_most
 
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "bench" / "results"
+DRAWS = 10_000  # of groups, for a bound
+SEVERAL = "several"  # in place of the code of a result whose pieces are of different code
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,7 @@ def share(
     at_most: bool = False,
     note: str = "",
     voices: str = "",
+    groups: Sequence[tuple[int, int]] = (),
 ) -> Figure:
     """Share of trials [%] with its exact bound (Clopper and Pearson 1934).
 
@@ -78,12 +81,32 @@ def share(
         at_most: Whether few are good; then the bound is the upper one.
         note: Conditions, beside the counts.
         voices: "human" or "synthetic".
+        groups: Counts and trials of each voice, where one voice has several trials. They are then
+            no independent ones: the bound is the wider of the exact one and `over_groups`.
     """
     counts = f"{count} of {trials}{note and '; '}{note}"
-    bound = 100.0 * (bounds.at_most if at_most else bounds.at_least)(count, trials)
-    low, high = (None, bound) if at_most else (bound, None)
+    bound = (bounds.at_most if at_most else bounds.at_least)(count, trials)
+    if len(groups) > 1:
+        bound = (max if at_most else min)(bound, over_groups(groups, at_most))
+    low, high = (None, 100.0 * bound) if at_most else (100.0 * bound, None)
     value = 100.0 * count / trials
     return Figure(name, value, "%", target, at_most, counts, low, high, voices)
+
+
+def over_groups(groups: Sequence[tuple[int, int]], at_most: bool) -> float:
+    """Bound on a share whose trials come in groups, by drawing the groups anew (Efron 1979).
+
+    Args:
+        groups: Counts and trials of each.
+        at_most: Whether it is the upper bound.
+
+    Returns:
+        The share that 95 % of the draws do not pass.
+    """
+    counts, trials = np.array(groups, float).T
+    drawn = np.random.default_rng(0).integers(len(counts), size=(DRAWS, len(counts)))
+    shares = counts[drawn].sum(axis=1) / trials[drawn].sum(axis=1)
+    return float(np.quantile(shares, 0.95 if at_most else 0.05))
 
 
 def rate(
@@ -93,10 +116,23 @@ def rate(
     target: float | None = None,
     note: str = "",
     voices: str = "",
+    unique: float | None = None,
 ) -> Figure:
-    """Events per hour with the exact upper bound of a Poisson process (Garwood 1936)."""
+    """Events per hour with the exact upper bound of a Poisson process (Garwood 1936).
+
+    Args:
+        name: Of the figure.
+        count: Events.
+        hours: Heard [h].
+        target: Most events [1/h].
+        note: Conditions, beside the counts.
+        voices: "human" or "synthetic".
+        unique: Length of the recordings [h] that were heard again and again to fill the hours; the
+            bound is that of so long a time.
+    """
     counts = f"{count} in {hours:.2f} h{note and '; '}{note}"
-    high = rate_at_most(count, hours)
+    repeats = 1.0 if unique is None else max(1.0, hours / unique)
+    high = rate_at_most(count / repeats, hours / repeats)
     return Figure(name, count / hours, "per h", target, True, counts, None, high, voices)
 
 
@@ -138,6 +174,7 @@ def run(
     console: Console,
     rooms: Sequence[str] = (),
     decisions: str = "",
+    is_of_other_code: Callable[[], bool] = lambda: False,
 ) -> list[Figure]:
     """Measure, show and write one set of figures.
 
@@ -147,10 +184,12 @@ def run(
         console: To show them on.
         rooms: Of the product, which they are figures of; see support/product_code.py.
         decisions: Key of what it decides on fixed clips; empty: these are no figures of that.
+        is_of_other_code: Asked afterwards: whether kept pieces of other code were counted, too.
     """
     where, code = machine(), identity(rooms)
     console.rule(f"{name}: {where['cpu']}, {where['cores']} cores, load {where['load_at_start']}")
     figures = measure()
+    code = SEVERAL if is_of_other_code() else code
     show(figures, console)
     path = RESULTS / f"{name}.json"
     write(path, figures, where, code=code, **({"decisions": decisions} if decisions else {}))

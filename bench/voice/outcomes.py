@@ -60,6 +60,7 @@ class TrialTally:
     nothing: int
     wrong: int  # another command, the opposite too
     opposite: int
+    by_voice: tuple[tuple[int, int, int], ...] = ()  # right, wrong and all trials of each
 
     def to_json(self) -> dict[str, Any]:
         """With exact one-sided bounds at 95 % each."""
@@ -77,9 +78,18 @@ class TrialTally:
 
 def tally(records: Iterable[SceneRecord]) -> TrialTally:
     """Count trials, each of which says a command."""
-    found = Counter(verdict(r.label["text"], r.heard.taken) for r in records)
-    wrong = found["wrong"] + found["opposite"]
-    return TrialTally(found.total(), found["right"], found["nothing"], wrong, found["opposite"])
+    found, voices = Counter[Verdict](), dict[str, Counter[Verdict]]()
+    for record in records:
+        came = verdict(text(record), record.heard.taken)
+        found[came] += 1
+        voices.setdefault(voice(record), Counter())[came] += 1
+    by_voice = tuple((v["right"], _wrong(v), v.total()) for v in voices.values())
+    right, nothing, opposite = found["right"], found["nothing"], found["opposite"]
+    return TrialTally(found.total(), right, nothing, _wrong(found), opposite, by_voice)
+
+
+def _wrong(found: Counter[Verdict]) -> int:
+    return found["wrong"] + found["opposite"]
 
 
 def by(records: Sequence[SceneRecord], key: Callable[[SceneRecord], str]) -> dict[str, TrialTally]:
@@ -107,14 +117,16 @@ def voice(record: SceneRecord) -> str:
 
 def right(name: str, count: TrialTally, target: float | None = None) -> Figure:
     """Share that was right."""
-    return share(f"{name}: right", count.right, count.n, in_percent(target))
+    groups = [(right, n) for right, _, n in count.by_voice]
+    return share(f"{name}: right", count.right, count.n, in_percent(target), groups=groups)
 
 
 def others(name: str, count: TrialTally, targets: bool = False) -> list[Figure]:
     """Share of another command, and how many of these go against what was said."""
     limit, none = (0.1, 0.0) if targets else (None, None)
+    groups, what = [(wrong, n) for _, wrong, n in count.by_voice], f"{name}: another command"
     return [
-        share(f"{name}: another command", count.wrong, count.n, limit, at_most=True),
+        share(what, count.wrong, count.n, limit, at_most=True, groups=groups),
         share(f"{name}: opposite", count.opposite, count.n, none, at_most=True),
     ]
 

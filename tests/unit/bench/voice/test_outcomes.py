@@ -14,9 +14,11 @@ from bench.voice.outcomes import (
     latencies,
     motions,
     others,
+    right,
     tally,
     verdict,
 )
+from session_log.report.bounds import at_least
 from voice_assist.evaluation.exact_bounds import rate_at_most
 
 MOTIONS = ("tense", "release", "pull more", "pull less")
@@ -93,6 +95,16 @@ def test_tally_counts_opposites_among_the_wrong_and_bounds_exactly():
     assert binom.sf(6, 10, data["right_at_least"]) == pytest.approx(0.05)
     assert binom.cdf(2, 10, data["wrong_at_most"]) == pytest.approx(0.05)
     assert binom.cdf(1, 10, data["opposite_at_most"]) == pytest.approx(0.05)
+
+
+def test_a_bound_counts_voices_where_few_voices_have_all_misses():
+    records = [record("stop", said("stop"), engine=f"engine {i}") for i in range(9)] * 100
+    records += [record("stop", engine="the tenth")] * 100
+    figure = right("stop", tally(records))
+    assert figure.value == 90.0
+    alone = 100.0 * at_least(900, 1000)
+    assert figure.lower < 80.0 < alone  # two or more of ten voices may be like the tenth
+    assert right("stop", tally(records[:900])).lower == pytest.approx(100.0 * at_least(900, 900))
 
 
 def test_groups_keep_engines_apart():
