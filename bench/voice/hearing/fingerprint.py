@@ -42,6 +42,7 @@ SNRS = (40.0, 6.0)  # [dB]
 QUIET = 0.8  # [s] before and after the words
 WINDOWS = 20  # of an outline
 DIGITS = 3  # of full scale, in an outline
+VERIFIER = ("voice_assist/verifier.pt",)
 GONE = 1000.0  # [nat] of a setting that never decided; as when rows were first kept
 UNHEARD = {"recognizer__hung_after": 0.35}  # of the node alone; as when rows were first kept
 
@@ -81,7 +82,7 @@ def identity(model: str) -> str:
     The decisions take half a minute, so they are kept by the code that made them.
     """
     config = load_voice_config(CONFIG_DIR, recognizer__model=model)
-    network = make_recognizer(config).model_hash
+    network = make_recognizer(config).model_hash, product_code.identity(VERIFIER)
     _, spotter = make_spotter(config.spotter)
     named = load_voice_config(CONFIG_DIR, **UNHEARD)  # by what is in the file, not by its name
     settings = at_rest(named)

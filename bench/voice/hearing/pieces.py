@@ -22,14 +22,18 @@ from typing import Any, Protocol
 from bench.common import resumable
 from bench.voice.hearing.fingerprint import identity, identity_in_motion, outline
 from bench.voice.hearing.replay_stream import SceneListener, SceneResult, SoundScene
+from support import product_code
 from support.figures import RESULTS, Figure
+from support.product_code import HEARING
 from voice_assist.assembly import limit_torch
 from voice_assist.config import load_voice_config
 
 MODEL = os.environ.get("MODEL", "embedded")
 FOLDER = RESULTS / "voice" / "pieces"
+CODES, RESTORED = "codes.txt", "kept beside the results"  # by which code the pieces were heard
 
 Label = dict[str, Any]  # what is known of a scene; JSON
+_HEARD_BY = set[str]()  # codes of the pieces that this process counted
 
 
 class Chunk(Protocol):
@@ -71,17 +75,20 @@ class TrialChunk:
         return (trial.scene() for trial in self.trials)
 
 
-def in_chunks(trials: Sequence[Trial], size: int, is_moving: bool = False) -> list[TrialChunk]:
+def in_chunks(
+    trials: Sequence[Trial], size: int, is_moving: bool = False, is_whole: bool = False
+) -> list[TrialChunk]:
     """Trials in pieces, SHARE of them; in an order by chance, so that a part is like the whole.
 
     Args:
         trials: Of one set.
         size: Of a piece.
         is_moving: How a robot that moves is listened for makes other pieces.
+        is_whole: All of them, whatever SHARE says.
     """
     mixed = list(trials)
     Random(0).shuffle(mixed)
-    some = resumable.share_of(mixed)
+    some = mixed if is_whole else resumable.share_of(mixed)
     return [TrialChunk(tuple(some[i : i + size]), is_moving) for i in range(0, len(some), size)]
 
 
@@ -109,6 +116,7 @@ def measured(
         for name, plan in plans.items()
     }
     missing = [job for some in jobs.values() for job in some if not job[1].is_file()]
+    _note_code(folder, product_code.identity(HEARING) if missing else "")
     if missing:
         print(f"{part}: {len(missing)} of {sum(map(len, jobs.values()))} pieces to do", flush=True)
         with _pool(model, min(resumable.JOBS, len(missing))) as pool:
@@ -143,6 +151,20 @@ def folder_of(part: str, model: str = MODEL) -> Path:
     return folder
 
 
+def is_of_other_code() -> bool:
+    """Whether a piece that this process counted was heard by other code than the present one."""
+    return bool(_HEARD_BY - {product_code.identity(HEARING)})
+
+
+def _note_code(folder: Path, code: str) -> None:
+    """Note by which code pieces of a folder are heard; empty: none is added."""
+    file = folder / CODES
+    known = set(file.read_text(encoding="utf-8").splitlines()) if file.is_file() else set[str]()
+    known |= {code} if code else set()
+    file.write_text("".join(f"{one}\n" for one in sorted(known)), encoding="utf-8")
+    _HEARD_BY.update(known)
+
+
 def up_to(part: str, plan: Sequence[Chunk], count: int, model: str = MODEL) -> list[Chunk]:
     """The first pieces of a plan, and of the others those that earlier goes have done."""
     folder = folder_of(part, model)
@@ -169,6 +191,7 @@ def restore(part: str, folder: Path = FOLDER, model: str = MODEL) -> int:
     new = [row for row in rows if not (there / f"{row['piece']}.json").is_file()]
     for row in new:
         resumable.write(there / f"{row['piece']}.json", row["records"])
+    _note_code(there, RESTORED if new else "")
     return len(new)
 
 

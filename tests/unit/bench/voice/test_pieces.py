@@ -109,6 +109,25 @@ def test_of_what_was_said_in_a_piece_that_is_kept_what_was_taken_is_left(listene
     assert found.heard.taken == ("stop", "stop")
 
 
+def test_pieces_that_other_code_heard_are_noticed(listened, tmp_path, monkeypatch):
+    for code, count, is_other in (("old", 1, False), ("old", 2, False), ("new", 2, True)):
+        monkeypatch.setattr(pieces, "_HEARD_BY", set())
+        monkeypatch.setattr(pieces.product_code, "identity", lambda rooms, code=code: code)
+        pieces.measured("part", {"": [Piece(seed) for seed in range(count)]}, "")
+        assert pieces.is_of_other_code() is is_other
+    pieces.keep("part", [Piece(0)], tmp_path / "kept", "")
+    monkeypatch.setattr(resumable, "CACHE", tmp_path / "elsewhere")
+    monkeypatch.setattr(pieces, "_HEARD_BY", set())
+    pieces.restore("part", tmp_path / "kept", "")
+    assert pieces.is_of_other_code()
+
+
+def test_a_set_of_people_is_whole_whatever_share_is_asked_for(monkeypatch):
+    monkeypatch.setattr(resumable, "SHARE", 0.25)
+    assert sum(len(c.trials) for c in pieces.in_chunks(range(8), 2)) == 2
+    assert sum(len(c.trials) for c in pieces.in_chunks(range(8), 2, is_whole=True)) == 8
+
+
 def test_another_model_or_another_part_begins_anew(listened):
     pieces.measured("part", {"": [Piece(0)]}, "one")
     pieces.measured("part", {"": [Piece(0)]}, "one")
