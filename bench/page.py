@@ -26,11 +26,14 @@ LARGE, SMALL = 1e4, 1e-3  # from and below which a value is not written with fou
 HEAD = """# Measured
 
 Made by `make figures` from `bench/results`. Do not edit it. Each table names the command that
-measures it. Bounds hold with 95 %. "Met, few trials": the figure reaches its target, its bound does
-not. "None" in the column of targets: reported without one. Where the code that decides a figure was
-changed after it was measured, the table says so. Older results lack some fields: "-".
+measures it. Bounds hold with 95 %. Where one voice has several trials, the bound is the wider of
+the exact one and that of drawing the voices anew. "Met, few trials": the figure reaches its target,
+its bound does not. "None" in the column of targets: reported without one. Where the code that
+decides a figure was changed after it was measured, the table says so. Older results lack some
+fields: "-".
 """
 SAME = "the same decisions"
+WHO = {HUMAN: HUMAN, SYNTHETIC: SYNTHETIC, "people:": HUMAN}  # by words in a figure's name
 AGES = {
     None: "**Which code was measured is not recorded.**",
     False: "**The code was changed since.**",
@@ -65,7 +68,7 @@ class Result:
 
     def voices(self, figure: Figure) -> str:
         """Whose voices a figure is of; older results say it in its name."""
-        said = next((word for word in (HUMAN, SYNTHETIC) if word in figure.name), "")
+        said = next((who for word, who in WHO.items() if word in figure.name), "")
         return figure.voices or said or self.part.voices
 
 
@@ -101,8 +104,12 @@ def _missed(found: Sequence[Result]) -> Iterator[str]:
     verdicts = [figure.is_met for _, figure in now]
     met, missed, none = (verdicts.count(verdict) for verdict in (True, False, None))
     few = met - sum(figure.is_shown for _, figure in now)
+    single = sum(f.is_met is True and (f.upper if f.at_most else f.lower) is None for _, f in now)
+    old = sum(f.is_met is not None and result.age is False for result, f in now)
     yield f"{met} targets are met and {missed} missed. {none} figures have none.\n"
-    yield f"{few} of those met are met by the figure, but not by its bound: too few trials.\n"
+    yield f"{few} of those met are met by the figure, but not by its bound: too few trials."
+    yield f"{single} of those met have no bound: they are single values, maxima or counts."
+    yield f"{old} of all these verdicts are of code that was changed since.\n"
     yield "## Missed\n"
     rows = [
         [_name(f), *_value(f), _target(f), result.voices(f), f"`{result.part.name}`"]

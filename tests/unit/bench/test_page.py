@@ -103,6 +103,23 @@ def test_what_the_bound_does_not_show_is_not_called_met_alone(figure, verdict):
     assert page._verdict(figure) == verdict
 
 
+def test_the_head_counts_verdicts_without_a_bound_and_of_changed_code(tmp_path):
+    on_file(tmp_path, SHARE, Figure("longest", 3.0, "ms", 5.0), code="other")
+    head = page.text(tmp_path).partition("## Missed")[0]
+    assert "1 targets are met and 1 missed." in head
+    assert "1 of those met have no bound" in head
+    assert "2 of all these verdicts are of code that was changed since." in head
+
+
+@pytest.mark.parametrize(
+    ("name", "voices"),
+    [("people: stop missed", "human"), ("stop, synthetic", "synthetic"), ("sounds", "human")],
+)
+def test_whose_voices_an_older_result_is_of_stands_in_its_name(tmp_path, name, voices):
+    result = on_file(tmp_path, Figure(name, 1.0, "%"))
+    assert PART.voices == HUMAN and result.voices(result.figures[0]) == voices
+
+
 def test_a_part_without_a_result_is_named(tmp_path):
     text = page.text(tmp_path)
     missing = [part.name for part in parts() if f"ONLY={part.name}`. Not measured yet" in text]
