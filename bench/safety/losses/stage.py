@@ -170,8 +170,9 @@ class LossStage:
             Largest way of a joint before "hey robot" [rad], time from the return to the next motion
             [s] (None: there was none), and what was not as it must be.
         """
-        returned, words = self._part.give_back(way), list[str]()
+        returned, words = time.monotonic(), list[str]()
         try:
+            returned = self._part.give_back(way)
             wait_until(self.is_back, "all parts speak again", START_TIME)
             wait_until(self._lead.is_found, "new clients find the controller", FOUND)
             time.sleep(RETURNED)

@@ -36,7 +36,7 @@ class SetpointCourse:
 class JudgedStop:
     """One message that asked for a stop, and what became of it."""
 
-    situation: str
+    situation: str  # when it came: in motion, braking after another stop, or at rest
     way: str  # how it came: in process, service, topic or cancel
     clients: int  # that sent one at the same moment
     latency: float | None  # [s] until the first decelerating set-point; None: nothing moved
@@ -109,7 +109,7 @@ def figures(name: str, stops: Sequence[JudgedStop], planned: int, period: float)
     ]
     if late:
         what = f"{name}: stop received to first decelerating set-point"
-        ticks = f"(in motion: {len(late)}; set-points every {period * 1e3:g} ms)"
+        ticks = f"(by the times for which set-points are due, every {period * 1e3:g} ms)"
         found += percentiles(what, late, "ms", {99: 4.0})
         found.append(Figure(f"{name}: stops in motion", len(late), "", note=ticks))
     if rests:

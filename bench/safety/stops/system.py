@@ -54,6 +54,7 @@ LIMIT = 20.0  # [s] for anything to happen
 AT_ONCE = 0.01  # [s]
 TRIES = 5  # to grasp: a watchdog may halt the robot where the machine pauses
 RESTING = ("active", "halted", "faulted")
+UNSEEN = "not in the event log"
 
 
 class StopWatcher:
@@ -168,36 +169,20 @@ class StopSession:
         (course, arrivals), state = self.watcher.course(), self.watcher.state
         missed = "" if state is not None and state.halted else "not halted after the stop"
         if not received:
-            return [self._stop(way, count, None, None, 0.0, "not in the event log")] * count
+            return [JudgedStop("unknown", way, count, None, None, 0.0, UNSEEN)] * count
         rcm = self._rcm_error(received[0], received[-1] + WATCHED)
-        stops = [
-            self._stop(
-                way,
-                count,
-                latency(course, moment),
-                rest(course, moment),
-                rcm,
-                missed or objection(course, moment, ALLOWED),
-            )
-            for moment in received
-        ]
+        stops = []
+        for moment in received:
+            late, objected = latency(course, moment), missed or objection(course, moment, ALLOWED)
+            situation = "at rest" if late is None else "braking" if stops else "in motion"
+            first = late if situation == "in motion" else None  # the others came into its braking
+            ended = rest(course, moment)
+            stops.append(JudgedStop(situation, way, count, first, ended, rcm, objected))
         self._note_arrival(course, arrivals, received[0], min(sent))
         lost = count - len(received)  # a cancelled goal is over: later cancels find none
         if lost > 0 and way != "cancel":
-            stops += [self._stop(way, count, None, None, rcm, "not in the event log")] * lost
+            stops += [JudgedStop("unknown", way, count, None, None, rcm, UNSEEN)] * lost
         return stops
-
-    @staticmethod
-    def _stop(
-        way: str,
-        count: int,
-        late: float | None,
-        ended: float | None,
-        rcm: float,
-        words: str,
-    ) -> JudgedStop:
-        situation = "at rest" if late is None else "in motion"
-        return JudgedStop(situation, way, count, late, ended, rcm, words)
 
     def _note_arrival(
         self, course: SetpointCourse, arrivals: list[float], received: float, sent: float
@@ -283,7 +268,7 @@ def _measured(system: System, session: StopSession) -> list[Figure]:
     figures = [measured(len(stops), "stops", FULL)]
     figures += judge.figures("running system", stops, STOPS, period)
     if session.seen:
-        what = "running system: stop sent by a client to its answer arrived elsewhere"
+        what = "running system: stop sent to first slower set-point received elsewhere"
         figures += percentiles(what, [seconds * 1e3 for seconds in session.seen], "ms")
     minutes = (time.monotonic() - begin) / 60.0
     halts = Counter(session.halts)
