@@ -120,7 +120,7 @@ def figures(heard: Sequence[HeardClip]) -> list[Figure]:
         share(f"{name}: near misses taken as an amount", amounts, len(near), 0.0, True),
         share(f"{name}: amounts taken or asked for rightly", len(right), len(said)),
         share(f"{name}: of these asked for first", asked, max(len(right), 1)),
-        share(f"{name}: taken as a command without an amount", plain, len(heard)),
+        share(f"{name}: taken as a command without an amount", plain, len(heard), None, True),
         Figure(f"{name}: processor time per clip", cost, "s", note=f"of {seconds:.1f} s of sound"),
     ]
 

@@ -74,7 +74,9 @@ def _of(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
         return [*figures, _moved(name, wrong, n)]
     moved = [r for r in records if not motions().isdisjoint(r.heard.taken)]
     through = [r for r in moved if r in asked]
-    return [*figures, _moved(name, through, n, 0.0 if "others" in name else None)]
+    note = "of these after a question"
+    figures.append(Figure(f"{name}: {note}", len(through), ""))
+    return [*figures, _moved(name, moved, n, 0.0 if "others" in name else None)]
 
 
 def _moved(name: str, moved: Sequence[SceneRecord], n: int, target: float | None = None) -> Figure:

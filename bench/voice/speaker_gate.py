@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.voice.material.clips import SPEECH
-from session_log.report.bounds import at_least, at_most
 from support.figures import Figure, share
 from support.theatre_sound import theatre_noise
 from voice_assist.audio.mixing import add_noise
 from voice_assist.config import load_voice_config
+from voice_assist.evaluation.exact_bounds import share_interval
 from voice_assist.speaker.cohort import Cohort, read_cohort
 from voice_assist.speaker.network import PIECE, WIDTH, Vector, VoiceNetwork, unit
 from voice_assist.speaker.speech import piece_up, spoken
@@ -175,8 +175,9 @@ def _rates(name: str, trials: Trials) -> list[Figure]:
     rate, threshold = trials.equal_error
     missed, count = int((trials.own < threshold).sum()), len(trials.own)
     note = f"{trials.speakers} speakers, {count} own and {len(trials.other)} other trials"
-    low, high = 100 * at_least(missed, count), 100 * at_most(missed, count)
-    return [Figure(f"equal error: {name}", 100.0 * rate, "%", WORST, True, note, low, high)]
+    low, high = share_interval(missed, count)
+    bounds = 100 * low, 100 * high
+    return [Figure(f"equal error: {name}", 100.0 * rate, "%", WORST, True, note, *bounds)]
 
 
 def _profiles(

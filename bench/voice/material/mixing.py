@@ -47,9 +47,9 @@ class StreamedTrial:
         return label, SoundScene(sound, Mode(self.mode), way=self.way, robot_speaks=spans)
 
 
-def chunks(trials: Sequence[StreamedTrial]) -> list[TrialChunk]:
-    """Trials in pieces."""
-    return in_chunks(trials, PER_CHUNK)
+def chunks(trials: Sequence[StreamedTrial], is_whole: bool = False) -> list[TrialChunk]:
+    """Trials in pieces; whole: all of them, whatever SHARE says."""
+    return in_chunks(trials, PER_CHUNK, is_whole=is_whole)
 
 
 def trials_of(clips: Sequence[SpokenClip]) -> list[StreamedTrial]:

@@ -31,7 +31,7 @@ def measure() -> list[Figure]:
     kinds = dict(zip((c.path for c in spoken), _kinds(spoken), strict=True))
     records = measured()
     hours = _hours(records)
-    figures = [resumable.measured(round(hours, 3), "h", round(_length(spoken), 3))]
+    figures = [resumable.measured(round(hours, 3), "h", round(length(spoken), 3))]
     figures += of_commands("human speech, armed", records, 0.0, 0.5)
     for kind in (SENTENCES, WORDS, WAKE_WORDS):
         some = [r for r in records if kinds[r.label["path"]] == kind]
@@ -52,6 +52,7 @@ def of_commands(
     records: Sequence[SceneRecord],
     motion: float | None = None,
     stop: float | None = None,
+    unique: float | None = None,
 ) -> list[Figure]:
     """Commands taken where none was said.
 
@@ -60,18 +61,24 @@ def of_commands(
         records: Its scenes, each with its length in its label.
         motion: Most motions; None: no target.
         stop: Most stops [1/h]; None: no target.
+        unique: Of recordings that are heard again and again, their length [h].
     """
     hours = _hours(records)
     taken = Counter(command for r in records for command in r.heard.taken)
     moved = sum(taken[command] for command in motions())
     which = ", ".join(f"{command}: {taken[command]}" for command in sorted(motions() & set(taken)))
-    figures = [
-        rate(f"{name}: false motions", moved, hours, motion, note=which),
-        rate(f"{name}: false stops", taken["stop"], hours, stop),
-        rate(f"{name}: hey robot taken", taken["hey robot"], hours),
-        rate(f"{name}: terminate taken", taken["terminate"], hours),
+    again = "" if unique is None else f"{unique:.2f} h of clips, heard again and again"
+    which = "; ".join(filter(None, (which, again)))
+    counted = (
+        ("false motions", moved, motion, which),
+        ("false stops", taken["stop"], stop, again),
+        ("hey robot taken", taken["hey robot"], None, again),
+        ("terminate taken", taken["terminate"], None, again),
+    )
+    return [
+        rate(f"{name}: {what}", count, hours, most, note, unique=unique)
+        for what, count, most, note in counted
     ]
-    return figures
 
 
 def fired(records: Sequence[SceneRecord]) -> list[dict[str, Any]]:
@@ -96,6 +103,6 @@ def _hours(records: Sequence[SceneRecord]) -> float:
     return sum(r.label["seconds"] for r in records) / 3600.0
 
 
-def _length(clips: Sequence[SpokenClip]) -> float:
+def length(clips: Sequence[SpokenClip]) -> float:
     """Of all clips [h]."""
     return sum(soundfile.info(ROOT / clip.path).duration for clip in clips) / 3600.0

@@ -17,7 +17,7 @@ from bench.voice import outcomes
 from bench.voice.hearing import pieces
 from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.material.theatre_talk import SECONDS, TalkChunk, Who, deck
-from bench.voice.no_commands.armed import of_commands
+from bench.voice.no_commands.armed import length, of_commands
 from bench.voice.outcomes import motions
 from bench.voice.trials import STOP
 from support.figures import Figure
@@ -41,7 +41,8 @@ def measure() -> list[Figure]:
     for who in ("human", "synthetic"):
         some = [r for r in records if r.label["who"] == who]
         if some:
-            figures += of_commands(f"{who} talk, unarmed", some)
+            unique = length(deck("human")) if who == "human" else None
+            figures += of_commands(f"{who} talk, unarmed", some, unique=unique)
             figures += _armed(who, some)
     compute = sum(r.heard.compute for r in records)
     figures.append(Figure("real-time factor on talk", compute / (3600.0 * hours), ""))

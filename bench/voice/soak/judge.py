@@ -55,13 +55,12 @@ def figures(found: SoakResult) -> list[Figure]:
     times = [1e3 * a.latency for a in found.answers]
     right = len(found.answers)
     slope, error = drift([a.at / 3600.0 for a in found.answers], _about_own_median(found.answers))
-    note = f"(+- {error:.1f} with 95 %; lock-step: stream time and CPU time)"
+    drifts = slope, "ms/h", 5.0, True, "(lock-step: stream time and CPU time)"
     return [
         Figure("soak: memory after five minutes", start / 1e6, "MB", 600.0),
         Figure("soak: memory at the end", end / 1e6, "MB", 600.0),
         Figure("soak: memory grown", (end - start) / 1e6, "MB", 20.0),
-        Figure("soak: drift of latency, beyond chance", max(0.0, slope - error), "ms/h", 5.0),
-        Figure("soak: drift of latency", slope, "ms/h", note=note),
+        Figure("soak: drift of latency", *drifts, slope - error, slope + error),
         Figure("soak: latency p50", float(np.median(times)), "ms"),
         Figure("soak: lost samples", found.lost, "", 0.0),
         Figure("soak: frames that the queue would drop", found.dropped, "", 0.0),

@@ -28,7 +28,7 @@ def _at_most(count: int, trials: int, confidence: float) -> float:
     return float(betaincinv(count + 1, trials - count, confidence))
 
 
-def rate_at_most(count: int, hours: float) -> float:
+def rate_at_most(count: float, hours: float) -> float:
     """Upper bound on the rate [1/h] of events, a Poisson process (Garwood 1936).
 
     Args:
