@@ -22,27 +22,31 @@ ROWS = (
         "planned RCM error max, all samples",
     ),
     ReadmeRow(
-        "stop received to the tick of the first slower set-point, p99",
-        "safety.stops_system",
-        "running system: stop received to first decelerating set-point p99",
-    ),
-    ReadmeRow(
         'a spoken "stop" in motion, end of the word to rest, p95',
         "safety.spoken",
         '"stop", human: end of the word to arm and jaws at rest p95',
     ),
-    ReadmeRow('"stop" said alone: right', "voice.stop", "stop, human, quiet, both ways: right"),
+    ReadmeRow(
+        '"stop" said alone, at rest: right', "voice.stop", "stop, human, quiet, both ways: right"
+    ),
     ReadmeRow(
         '"stop" as loud as another person\'s talk, in motion: heard',
         "voice.overlap",
         'human "stop" 0 dB over talk, moving, both ways: stopped',
     ),
     ReadmeRow(
-        'false "stop" in talk and single words', "voice.armed", "human speech, armed: false stops"
+        'false "stop" in talk, in motion',
+        "voice.overlap",
+        "human talk, moving, both ways: false stops",
+    ),
+    ReadmeRow(
+        'false "stop" in talk, single words and other wake words, at rest',
+        "voice.armed",
+        "human speech, armed: false stops",
     ),
     ReadmeRow("motion commands right, quiet", "voice.trials", "motion commands, quiet: right"),
     ReadmeRow(
-        "highest tension, 10,000 failing sensors; the limit is 2.4 N, 5 % more is allowed",
+        "highest tension, 10,000 failing sensors, those that scale with `gain: unchecked`",
         "site.tension",
         "tension, any fault of its sensor: peak",
     ),
