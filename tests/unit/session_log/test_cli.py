@@ -8,9 +8,10 @@ import wave
 import pytest
 
 from session_log.cli import main
+from session_log.export import sound_stream
 from session_log.recording.recorder import MANY_PUBLISHERS
 from session_log.types import Message, MessageSource
-from support.story import recording_of
+from support.story import Story, recording_of
 from tests.unit.session_log.support.foreign import write_foreign
 from typed_config import package_version
 
@@ -144,6 +145,17 @@ def test_export_gives_tables_and_the_sound(story, tmp_path, capsys):
         form = (sound.getnchannels(), sound.getsampwidth(), sound.getframerate())
         assert form == (1, 2, 16000)
         assert sound.getnframes() == pytest.approx(47 * 16000, abs=512)
+
+
+def test_export_says_how_much_of_the_lost_sound_has_no_silence(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(sound_stream, "MOST_SILENCE", 9)
+    story = Story()
+    for first in (0, 10**9):
+        fields = {"rate": 16_000, "first_sample": first, "samples": [1]}
+        story.say(1.0, "/voice_assist/audio", "voice_assist/AudioChunk", **fields)
+    recording_of(tmp_path / "s.mcap", story.messages)
+    _, out, _ = run(capsys, "export", tmp_path / "s.mcap", "--out", tmp_path)
+    assert "2 samples, 999999999 lost, 999999990 of them without silence in their place" in out
 
 
 def test_export_of_a_topic_that_was_not_recorded_says_so(story, tmp_path, capsys):

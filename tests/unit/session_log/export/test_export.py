@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
+import json
+import struct
 import wave
 
 import pytest
 
-from session_log.export.export import ParquetMissing, export_topics
+from session_log.export.export import ParquetMissing, export_topics, flatten
+from session_log.mcap_file.decoder import Decoder
 from session_log.mcap_file.reader import SessionReader
+from session_log.types import Message, MessageSource
 from support.story import Story, numbered, recording_of
 from tests.unit.session_log.support.foreign import write_foreign
 
@@ -70,3 +74,44 @@ def test_messages_of_another_encoding_are_counted_and_not_written(tmp_path):
     result = export_topics(reader, tmp_path / "out", ["/t"], "/none")
     assert (result.undecodable, result.rows) == (1, {})
     assert "recorded as 'cdr' with schema 'ros2msg'" in result.unfit["/t"]
+
+
+def flat(definition, layout, *values):
+    """The fields of a message of one definition, for a table."""
+    source = MessageSource("/t", "test_msgs/T", "", definition)
+    message = Message(source, struct.pack(f"<{layout}", *values), 0, 1)
+    return dict(flatten(Decoder().decode(message)))
+
+
+@pytest.mark.parametrize(
+    ("seconds", "nanoseconds", "words"),
+    [
+        (-1, 500_000_000, "-0.500000000"),
+        (-2, 999_999_999, "-1.000000001"),
+        (-1, 0, "-1.000000000"),
+        (0, 0, "0.000000000"),
+        (5, 7, "5.000000007"),
+    ],
+)
+def test_a_duration_has_one_sign(seconds, nanoseconds, words):
+    assert flat("duration d", "ii", seconds, nanoseconds) == {"d": words}
+    assert flat("duration[] d", "Iii", 1, seconds, nanoseconds) == {"d": json.dumps([words])}
+
+
+def test_times_in_a_list_are_written_as_elsewhere():
+    assert flat("time[] t", "IIIII", 2, 5, 7, 6, 0) == {"t": '["5.000000007", "6.000000000"]'}
+
+
+def test_a_list_with_numbers_that_are_not_finite_is_json():
+    values = (float("nan"), 1.0, float("inf"))
+    assert flat("float64[3] x", "ddd", *values) == {"x": "[null, 1.0, null]"}
+
+
+def test_messages_in_a_list_are_one_json_text_with_all_that_is_in_them():
+    inner = "float32 x\nduration d\nint8[] n\nuint8[] raw"
+    separator = "=" * 80
+    definition = f"Inner[] list\n{separator}\nMSG: test_msgs/Inner\n{inner}"
+    values = (1, float("nan"), -1, 500_000_000, 2, 3, 4, 2, 1, 255)
+    found = flat(definition, "IfiiIbbIBB", *values)
+    entry = {"x": None, "d": "-0.500000000", "n": [3, 4], "raw": "01ff"}
+    assert json.loads(found["list"]) == [entry]

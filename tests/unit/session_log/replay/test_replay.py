@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a replay decides otherwise than the recording, and what it refuses to replay."""
 
+import errno
+import os
+
 import pytest
 import yaml
 
 from session_log.cli import main
+from session_log.replay import replay
 from support.story import Story
 from tests.unit.session_log.support.fake_pipeline import MADE, PLANS
 from tests.unit.session_log.support.voice_recording import (
@@ -124,6 +128,50 @@ def test_a_place_for_the_differences_is_tried_before_a_word_is_heard(
         main(["replay", str(path), "--config", str(config), "--json", str(tmp_path / out)])
     assert end.value.code == 2 and MADE == [] and path.read_bytes() == before
     assert capsys.readouterr().err == f"session_log: cannot write {tmp_path / out}: {words}\n"
+
+
+def test_a_name_that_the_system_refuses_is_an_error_and_no_difference(refusal):
+    assert "File name too long" in refusal("x" * 5000)
+
+
+def test_a_session_that_the_disk_does_not_give_fails_beside_the_others(
+    tmp_path, replayed, monkeypatch
+):
+    broken = ordinary(tmp_path / "many" / "a" / "session.mcap")
+    ordinary(tmp_path / "many" / "b" / "session.mcap")
+    read_voice = replay.read_voice
+
+    def read(reader, config):
+        if reader.path == broken:
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+        return read_voice(reader, config)
+
+    monkeypatch.setattr(replay, "read_voice", read)
+    PLANS.append(SAME)
+    code, _, err, result = replayed(tmp_path / "many")
+    assert code == 2 and len(result["sessions"]) == 1
+    assert list(result["failed"]) == [str(broken)]
+    assert f"{broken}: cannot be heard again" in err and "Input/output error" in err
+
+
+def test_a_recording_that_grows_by_a_run_while_it_is_read_is_an_error(
+    tmp_path, replayed, monkeypatch
+):
+    story = Story()
+    play(story, 0.0, 1.0)
+    play(story, 0.0, 1.0, start=2.0)
+    path = write(tmp_path / "session.mcap", story)
+    read_voice = replay.read_voice
+
+    def read_before(reader, config):
+        voice = read_voice(reader, config)
+        voice.runs.pop()
+        return voice
+
+    monkeypatch.setattr(replay, "read_voice", read_before)
+    code, _, err, result = replayed(path)
+    assert code == 2 and list(result["failed"]) == [str(path)]
+    assert "cannot be heard again: it grew while it was read" in err
 
 
 # --- models

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from session_log.errors import SessionLogError
+from session_log.replay import spoken as spoken_room
 from session_log.replay.spoken import AROUND, spoken
 from support.story import Story, recording_of
 
@@ -62,6 +63,32 @@ def test_lost_sound_is_silence(tmp_path):
 def test_an_utterance_without_any_sound_is_left_out(tmp_path):
     path = written(tmp_path / "session.mcap", [(20.0, 21.0, "tense", "tense")])
     assert spoken(path) == []
+
+
+def test_a_block_is_given_only_to_the_utterances_near_it(tmp_path, monkeypatch):
+    taken = []
+
+    class Window(spoken_room._Window):
+        def take(self, sound):
+            taken.append((self.utterance.transcript, sound.first_sample // BLOCK))
+            super().take(sound)
+
+    monkeypatch.setattr(spoken_room, "_Window", Window)
+    said = [(3.0, 3.4, "second", ""), (1.0, 1.5, "first", "")]
+    spoken(written(tmp_path / "session.mcap", said))
+    for start, end, text, _ in said:
+        blocks = [block for transcript, block in taken if transcript == text]
+        low, high = ((moment * RATE) / BLOCK for moment in (start - AROUND, end + AROUND))
+        assert low - 2 < min(blocks) <= low and high - 1 <= max(blocks) < high + 1
+
+
+def test_of_utterances_at_one_time_each_has_the_whole_of_its_sound(tmp_path):
+    said = [(1.0, 3.0, "long", ""), (1.2, 1.4, "short", ""), (2.6, 3.4, "late", "")]
+    path = written(tmp_path / "session.mcap", said)
+    for one, (start, end, text, _) in zip(spoken(path), said, strict=True):
+        assert one.heard == text and len(one.samples) == round((end - start + 2 * AROUND) * RATE)
+        blocks = (np.arange(len(one.samples)) + round((start - AROUND) * RATE)) // BLOCK + 1
+        assert np.mean(one.samples == blocks) > 0.99
 
 
 def test_what_is_no_session_is_refused(tmp_path):

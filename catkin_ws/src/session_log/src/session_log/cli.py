@@ -90,7 +90,9 @@ def _export(arguments: argparse.Namespace) -> int:
     for topic in sorted(without - result.unfit.keys()):
         print(f"{topic}: nothing recorded")
     if result.sound:
-        print(f"{result.sound}: {result.samples} samples, {result.lost_samples} lost")
+        short = result.unfilled_samples
+        more = f", {short} of them without silence in their place" if short else ""
+        print(f"{result.sound}: {result.samples} samples, {result.lost_samples} lost{more}")
     if result.undecodable:
         print(f"{result.undecodable} messages do not fit their definition")
         for reason in result.unfit.values():

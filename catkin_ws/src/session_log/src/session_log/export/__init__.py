@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A session as tables."""
+"""A session as tables and sound."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import csv
 import json
-import wave
+import math
 from array import array
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack
@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, Literal, Protocol
 
 from session_log.errors import OutputFailed, SessionLogError
+from session_log.export.sound_stream import SoundFile
 from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable, fields_of, is_time
 from session_log.mcap_file.reader import SessionReader
 from session_log.types import Message
@@ -28,7 +29,7 @@ FORMATS: Mapping[str, tuple[Format, ...]] = {
     "both": ("csv", "parquet"),
 }
 
-LONGEST_GAP = 60.0  # [s] of lost sound that is filled with silence; a longer gap is a restart
+NANOSECONDS = 1_000_000_000
 
 
 class ParquetMissing(SessionLogError):
@@ -49,6 +50,7 @@ class Export:
     sound: Path | None = None
     samples: int = 0
     lost_samples: int = 0
+    unfilled_samples: int = 0  # of those lost: without silence in their place
     undecodable: int = 0
     topics: set[str] = field(default_factory=set)  # those that have a table
     unfit: dict[str, str] = field(default_factory=dict)  # why, of each topic's first such message
@@ -116,7 +118,7 @@ class _Exporter:
         self._tables: dict[tuple[str, str, str], list[_Table]] = {}
         self._stems = file_stems(topics)
         self._used = set(self._stems.values())
-        self._wave: _WaveFile | None = None
+        self._sound: SoundFile | None = None
         self._result = Export()
 
     def run(self, reader: SessionReader) -> Export:
@@ -129,9 +131,10 @@ class _Exporter:
         tables = [table for group in self._tables.values() for table in group]
         self._result.rows = {table.path: table.rows for table in tables}
         self._result.topics = {topic for topic, *_ in self._tables}
-        if self._wave:
-            self._result.sound = self._wave.path
-            self._result.samples, self._result.lost_samples = self._wave.samples, self._wave.lost
+        if self._sound:
+            result, sound = self._result, self._sound
+            result.sound, result.samples = sound.path, sound.samples
+            result.lost_samples, result.unfilled_samples = sound.lost, sound.unfilled
         return self._result
 
     def _take(self, message: Message) -> None:
@@ -151,10 +154,10 @@ class _Exporter:
         samples = array("h", content.samples)
         if rate <= 0:
             raise ValueError(f"rate is {rate}, allowed: above 0")
-        if self._wave is None:
+        if self._sound is None:
             path = self._folder / "audio.wav"
-            self._wave = self._stack.enter_context(_WaveFile(path, rate))
-        self._wave.add(first, samples)
+            self._sound = self._stack.enter_context(SoundFile(path, rate))
+        self._sound.add(first, samples)
 
     def _tables_of(self, message: Message) -> list[_Table]:
         source = message.source
@@ -213,8 +216,7 @@ class _CsvFile:
             columns = ["log_time", *fields]
             self._writer = csv.DictWriter(self._file, columns, extrasaction="ignore")
             self._writer.writeheader()
-        seconds, nanoseconds = divmod(message.log_time, 1_000_000_000)
-        self._writer.writerow({"log_time": f"{seconds}.{nanoseconds:09d}", **fields})
+        self._writer.writerow({"log_time": seconds(message.log_time), **fields})
         self.rows += 1
 
     def __enter__(self) -> _CsvFile:
@@ -224,46 +226,29 @@ class _CsvFile:
         self._file.close()
 
 
-class _WaveFile:
-    """The sound as it was recorded; what is missing becomes silence."""
-
-    def __init__(self, path: Path, rate: int) -> None:
-        self.path, self.samples, self.lost = path, 0, 0
-        self._rate = rate
-        self._next: int | None = None
-        self._file = wave.open(str(path), "wb")  # noqa: SIM115 - closed in __exit__
-        self._file.setnchannels(1)
-        self._file.setsampwidth(2)
-        self._file.setframerate(rate)
-
-    def add(self, first: int, samples: array[int]) -> None:
-        gap = first - self._next if self._next is not None else 0
-        if 0 < gap <= LONGEST_GAP * self._rate:
-            self._file.writeframes(bytes(2 * gap))
-            self.lost += gap
-        self._file.writeframes(samples.tobytes())
-        self.samples += len(samples)
-        self._next = first + len(samples)
-
-    def __enter__(self) -> _WaveFile:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._file.close()
-
-
 def flatten(content: Any) -> Iterator[tuple[str, object]]:
     """Yield the fields of a decoded message as (dotted name, plain value); lists become JSON."""
     for name, value in fields_of(content):
-        if is_time(value):
-            yield name, f"{value.secs}.{value.nsecs:09d}"
-        elif isinstance(value, (list, tuple)):
-            yield name, json.dumps([_plain(entry) for entry in value])
-        elif isinstance(value, (bytes, bytearray)):
-            yield name, value.hex()
-        else:
-            yield name, value
+        plain = value if isinstance(value, float) else _plain(value)
+        yield name, json.dumps(plain) if isinstance(plain, list) else plain
 
 
-def _plain(entry: Any) -> object:
-    return dict(flatten(entry)) if hasattr(entry, "__slots__") else entry
+def _plain(value: Any) -> object:
+    """What JSON can hold of a value; a number that is not finite is null."""
+    if isinstance(value, (int, str)):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, (bytes, bytearray)):
+        return value.hex()
+    if isinstance(value, (list, tuple)):
+        return [_plain(entry) for entry in value]
+    if is_time(value):
+        return seconds(value.secs * NANOSECONDS + value.nsecs)
+    return {name: _plain(inner) for name, inner in fields_of(value)}
+
+
+def seconds(nanoseconds: int) -> str:
+    """A time or a duration in seconds, exact."""
+    whole, rest = divmod(abs(nanoseconds), NANOSECONDS)
+    return f"{'-' if nanoseconds < 0 else ''}{whole}.{rest:09d}"

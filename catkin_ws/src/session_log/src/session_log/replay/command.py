@@ -16,8 +16,8 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.session_folder import recordings
 from session_log.replay.compare import Difference
 from session_log.replay.config import ReplayConfig
-from session_log.replay.pipeline_plugin import Decided, find_plugin
-from session_log.replay.replay import ReplayResult, replay
+from session_log.replay.pipeline_plugin import Decided, MakePipeline, find_plugin
+from session_log.replay.replay import ReplayFailed, ReplayResult, replay
 from typed_config import (
     ConfigError,
     check_writable,
@@ -44,14 +44,14 @@ def run(arguments: argparse.Namespace) -> int:
         make = find_plugin(config.pipeline)
         if arguments.json is not None:
             _check_out(arguments.json)
-    except (SessionLogError, ConfigError) as error:
+    except (SessionLogError, ConfigError, OSError) as error:
         print(f"session_log: {error}", file=sys.stderr)
         return FAILED
     done: list[ReplayResult] = []
     failed: dict[str, str] = {}
     for path in paths:
         try:
-            result = replay(SessionReader(path), config, make, arguments.model)
+            result = _replayed(path, config, make, arguments.model)
         except SessionLogError as error:
             failed[str(path)] = str(error)
             print(f"session_log: {error}", file=sys.stderr)
@@ -61,6 +61,15 @@ def run(arguments: argparse.Namespace) -> int:
     if len(paths) > 1:
         _show_total(done, len(failed))
     return _conclude(done, failed, arguments.json)
+
+
+def _replayed(
+    path: Path, config: ReplayConfig, make: MakePipeline, model: str | None
+) -> ReplayResult:
+    try:
+        return replay(SessionReader(path), config, make, model)
+    except OSError as error:  # of the disk, while it is read
+        raise ReplayFailed(path, error) from error
 
 
 def _check_out(out: Path) -> None:

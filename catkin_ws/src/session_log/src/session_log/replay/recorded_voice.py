@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from session_log.export.sound_stream import StreamWatch
 from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.writer import LIBRARY
@@ -77,20 +78,6 @@ class RecordedVoice:
         """The recorded mode at a time of the clock [s]."""
         before = [change for change in self.modes if change.time <= time]
         return before[-1] if before else None
-
-
-class StreamWatch:
-    """Follows the sample indices: where a run of the node begins, and where sound is missing."""
-
-    def __init__(self) -> None:
-        self._expected: int | None = None
-
-    def __call__(self, first_sample: int, length: int) -> tuple[bool, int]:
-        """Whether a run begins with this block, and how many samples are missing before it."""
-        expected, self._expected = self._expected, first_sample + length
-        if expected is None or first_sample < expected:
-            return True, first_sample
-        return False, first_sample - expected
 
 
 class SequenceWatch:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from session_log.errors import SessionLogError
+from session_log.export.sound_stream import StreamWatch
 from session_log.mcap_file.decoder import Decoder, Undecodable
 from session_log.mcap_file.reader import SessionReader
 from session_log.replay.compare import EXTRA, Difference, compare
@@ -18,7 +19,6 @@ from session_log.replay.recorded_voice import (
     RecordedDecision,
     RecordedVoice,
     SequenceWatch,
-    StreamWatch,
     VoiceRun,
     read_voice,
     sound_of,
@@ -136,7 +136,9 @@ class _Replayer:
     def _hear(self, sound: RecordedSound, missing: int) -> None:
         is_new, lost = self._stream(sound.first_sample, len(sound.samples))
         if is_new or self._pipeline is None:
-            self._pipeline = self._begin(next(self._runs))
+            if (run := next(self._runs, None)) is None:
+                raise ValueError("it grew while it was read: the voice node began another run")
+            self._pipeline = self._begin(run)
         if lost:
             self._lose(self._pipeline, sound, lost, is_new, missing)
         decided = self._pipeline.hear(sound)

@@ -6,7 +6,9 @@ The voice part finds `spoken` by its name in a setting; neither package imports 
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
+from itertools import accumulate
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +52,8 @@ def spoken(path: Path) -> list[SpokenUtterance]:
         raise SessionMissing(reader.path, "holds no readable message")
     utterances = sorted(voice.utterances, key=lambda one: one.speech_start)
     cut = [_Window(one) for one in utterances]
+    starts = [window.start for window in cut]
+    ends = list(accumulate((window.end for window in cut), max))  # of each and all before it
     decoder = Decoder()
     for message in reader.messages({config.topics.audio}):
         try:
@@ -58,7 +62,8 @@ def spoken(path: Path) -> list[SpokenUtterance]:
             continue
         if sound.rate != RATE:
             raise SessionLogError(f"{path}: sound at {sound.rate} Hz, allowed: {RATE}")
-        for window in cut:
+        end = sound.stamp + len(sound.samples) / RATE
+        for window in cut[bisect_left(ends, sound.stamp) : bisect_right(starts, end)]:
             window.take(sound)
     return [
         SpokenUtterance(
@@ -77,14 +82,15 @@ class _Window:
 
     def __init__(self, utterance: RecordedDecision) -> None:
         self.utterance = utterance
-        self._start = utterance.speech_start - AROUND
+        self.start = utterance.speech_start - AROUND  # [s]
         length = utterance.speech_end - utterance.speech_start + 2.0 * AROUND
         self.samples = np.zeros(max(round(length * RATE), 0), np.int16)
+        self.end = self.start + len(self.samples) / RATE  # [s]
         self.has_sound = False
 
     def take(self, sound: RecordedSound) -> None:
         """Keep what of a block lies in it."""
-        first = round((sound.stamp - self._start) * RATE)
+        first = round((sound.stamp - self.start) * RATE)
         if first >= len(self.samples) or first + len(sound.samples) <= 0:
             return
         low, high = max(first, 0), min(first + len(sound.samples), len(self.samples))

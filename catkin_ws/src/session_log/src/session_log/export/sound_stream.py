@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Recorded sound by its sample indices: where runs of the voice node begin, and what is lost."""
+
+from __future__ import annotations
+
+import wave
+from array import array
+from pathlib import Path
+
+MOST_SILENCE = 57_600_000  # samples in a file: an hour at 16 kHz, 115 MB
+_BLOCK = 1 << 16  # samples that are written at once
+
+
+class StreamWatch:
+    """Follows the sample indices: where a run of the node begins, and where sound is missing."""
+
+    def __init__(self) -> None:
+        self._expected: int | None = None
+
+    def __call__(self, first_sample: int, length: int) -> tuple[bool, int]:
+        """Whether a run begins with this block, and how many samples are missing before it."""
+        expected, self._expected = self._expected, first_sample + length
+        if expected is None or first_sample < expected:
+            return True, first_sample
+        return False, first_sample - expected
+
+
+class SoundFile:
+    """The sound as it was recorded; what is missing within a run of the node becomes silence.
+
+    Args:
+        path: Of the WAV file.
+        rate: Of the samples [Hz].
+
+    Attributes:
+        samples: How many were recorded.
+        lost: How many are missing within runs.
+        unfilled: How many of those have no silence in their place: there were too many.
+    """
+
+    def __init__(self, path: Path, rate: int) -> None:
+        self.path, self.samples, self.lost, self.unfilled = path, 0, 0, 0
+        self._watch = StreamWatch()
+        self._file = wave.open(str(path), "wb")  # noqa: SIM115 - closed in __exit__
+        self._file.setnchannels(1)
+        self._file.setsampwidth(2)
+        self._file.setframerate(rate)
+
+    def add(self, first: int, samples: array[int]) -> None:
+        """Take the next block of sound, whose first sample has this index in its run."""
+        is_new, missing = self._watch(first, len(samples))
+        if not is_new:
+            self._fill(missing)
+        self._file.writeframes(samples.tobytes())
+        self.samples += len(samples)
+
+    def _fill(self, missing: int) -> None:
+        silence = min(missing, MOST_SILENCE - (self.lost - self.unfilled))
+        self.lost += missing
+        self.unfilled += missing - silence
+        for begin in range(0, silence, _BLOCK):
+            self._file.writeframes(bytes(2 * min(_BLOCK, silence - begin)))
+
+    def __enter__(self) -> SoundFile:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._file.close()
