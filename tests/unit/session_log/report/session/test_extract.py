@@ -133,7 +133,7 @@ ARM, BOTH = ["a", "b"], ["a", "b", "finger"]
         [(["b", "a"], [1.0, 1.0])],
     ],
 )
-def test_of_joint_states_of_several_lengths_those_of_the_first_names_are_kept(
+def test_of_joint_states_of_several_lengths_those_of_most_messages_are_kept_and_others_counted(
     tmp_path, report_config, others
 ):
     story = Story()
@@ -145,6 +145,7 @@ def test_of_joint_states_of_several_lengths_those_of_the_first_names_are_kept(
     assert found.joints.columns == ("time", "a", "b")
     assert list(found.joints["time"]) == pytest.approx([0.0, len(rows) - 1.0])
     assert list(found.joints["a"]) == [0.1, 0.3] and list(found.joints["b"]) == [0.2, 0.4]
+    assert found.other_joints == len(others)
     assert not found.undecodable and not found.missing_fields
 
 

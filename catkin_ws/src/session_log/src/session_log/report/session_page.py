@@ -13,14 +13,23 @@ from session_log.mcap_file.summary import RecordingSummary
 from session_log.report.figures import POOL_FIGURES, SESSION_FIGURES, ReportFigure, SessionMaterial
 from session_log.report.notes import Note
 from session_log.report.page import Image, Section, page, table_section
-from session_log.report.pool.pool import Pool
-from session_log.report.sections import figure_section, inputs_section, large_facts
+from session_log.report.pool.pool import InputCounts, Pool
+from session_log.report.sections import (
+    FAILURES,
+    OF_THEM_REFUSED,
+    figure_section,
+    inputs_section,
+    large_facts,
+)
+from session_log.report.session.analysis import FAILED, VOICE
+from session_log.report.session.namespaces import namespaces_of
 from session_log.report.session.stops import stops
 from session_log.report.session.summary import SessionSummary
 from session_log.report.tables import session_tables
-from session_log.report.tables.text_table import size_words
+from session_log.report.tables.text_table import duration_words, size_words
 from session_log.report.zoom import zoom_data
 
+DAY = 86_400.0  # [s]
 LOSS_SHARE = 1e-3  # of a topic's messages: less is a note, not a warning
 COMMANDS_NOTE = "Decision and action: time after the end of speech."
 BELOW_COMMANDS = (
@@ -53,11 +62,12 @@ def session_page(
         images: The figures that could be drawn.
         notes: Of people.
     """
+    spoken = pool.inputs.get(VOICE, InputCounts())
     return page(
         f"Session {summary.name}",
         _subtitle(material.data.recording),
         " ".join(_warnings(material)),
-        large_facts(pool, {"spoken commands": sum(given.is_spoken for given in summary.given)}),
+        large_facts(pool, {"spoken commands": spoken.given, OF_THEM_REFUSED: spoken.refused}),
         _sections(material, pool, images, notes),
     )
 
@@ -73,8 +83,10 @@ def _sections(
     yield Section("Commands", COMMANDS_NOTE, table=session_tables.commands_table(material))
     found = session_tables.stops_table(stops(data.events, data.states))
     yield table_section("What stopped the robot, and why", found, "Nothing stopped the robot.")
-    refused = session_tables.refused_table(material)
+    refused = session_tables.reasons_table(material, "refused")
     yield table_section("What was refused, and why", refused, "Nothing was refused.")
+    if (failed := session_tables.reasons_table(material, FAILED)).rows:
+        yield Section(FAILURES, table=failed)
     if len(pool.inputs) > 1:
         yield inputs_section(pool)
     for name in BELOW_COMMANDS:
@@ -125,8 +137,26 @@ def _warnings(material: SessionMaterial) -> Iterator[str]:
         yield f"{recording.missing} messages were received but are not in the file."
     for step in recording.clock_steps:
         yield f"{str(step).capitalize()}: times after it are wrong."
+    if lags := material.data.clock_lags:
+        yield _clock_words(lags)
+    topics = vars(material.config.topics)
+    if namespaces := namespaces_of(topics.values(), recording.topics):
+        where = " and ".join(namespaces)
+        yield f"Topics of the report lie in {where}, where it does not look: name them (--config)."
+    if count := material.data.other_joints:
+        yield f"{count} samples of {topics['joint_states']} are left out: they have other joints."
     yield from _losses(recording)[0]
     for topic, count in material.data.undecodable.items():
         yield f"{count} messages of {topic} do not fit what the report expects."
     for what in sorted(material.data.missing_fields):
         yield f"Left out: {what}."
+
+
+def _clock_words(lags: Mapping[str, float]) -> str:
+    """Topics that another clock than the recorder's stamped, and how far that is off at most."""
+    first, *others = sorted(lags)
+    topics = f"{first} and {len(others)} more" if others else first
+    lag = max(map(abs, lags.values()))
+    apart = duration_words(lag) if lag < DAY else "more than a day"
+    clock = f"The clock that stamped {topics} is {apart} off the recorder's"
+    return f"{clock}: their times are those of arrival."

@@ -18,6 +18,7 @@ from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import MessageCounter, RecordingSummary
 from session_log.report.session.fast_topics import FastTopic, LoopTopic, Take
+from session_log.report.session.joint_tables import JointTables
 from session_log.report.session.session_data import (
     MOVING,
     IntendedPhrase,
@@ -27,11 +28,11 @@ from session_log.report.session.session_data import (
     RecordedPicture,
     RecordedTrocar,
     RecordedUtterance,
-    SampledTable,
     SessionData,
     Span,
     Track,
 )
+from session_log.report.session.stamp_clock import StampClock
 from session_log.report.session.utterance_sounds import UtteranceSounds
 from session_log.types import URDF_TOPIC, Message, MessageSource
 
@@ -99,8 +100,9 @@ class _Extractor:
         self._data, self._config = data, config
         self._decoder = Decoder()
         self._origin: int | None = None  # [ns]
-        self._now = 0.0  # [s] log time of the message that is decoded
-        self._publisher = ""  # node that sent it
+        self._message: Message  # that is decoded
+        self._clock: StampClock  # of its stamps
+        self._now = 0.0  # [s] its log time
         self._end = 0  # [ns] log time of the latest message
         self._health: dict[str, NodeHealth] = {}
         self._picture_step = self._picture_count = 0
@@ -127,6 +129,7 @@ class _Extractor:
         }
         self._takers: dict[MessageSource, list[Callable[[Message], None]]] = {}
         self._waiting: list[FastTopic | LoopTopic] = []
+        self._joint_tables = JointTables()
         self._sounds = UtteranceSounds() if config.utterance_sound else None
 
     def add(self, message: Message) -> None:
@@ -147,6 +150,7 @@ class _Extractor:
             words.finish(end)
         if self._sounds is not None:
             self._data.sounds = self._sounds.finish()
+        self._data.joints, self._data.other_joints = self._joint_tables.best(self._data.urdf)
         self._data.health = sorted(self._health.values(), key=lambda h: h.name)
         self._data.loops = [loop for loop in self._loops.values() if loop.length]
 
@@ -159,22 +163,23 @@ class _Extractor:
             return [self._count_unfit] if is_known else []
         found: list[FastTopic | LoopTopic] = []
         if topic in self._loops:
-            found.append(LoopTopic(source, self._loops[topic], self._origin))
+            found.append(LoopTopic(source, self._loops[topic]))
         if topic in self._fast:
             take, period = self._fast[topic]
             found.append(FastTopic(source, take, self._data, self._origin, period))
         self._waiting += found
         takers: list[Callable[[Message], None]] = [waiting.add for waiting in found]
         if topic in self._slow:
-            takers.append(partial(self._decode, self._slow[topic]))
+            clock = StampClock(source, self._data.clock_lags)
+            takers.append(partial(self._decode, self._slow[topic], clock))
         return takers
 
     def _count_unfit(self, message: Message) -> None:
         self._data.undecodable[message.source.topic] += 1
 
-    def _decode(self, take: Callable[[Any], None], message: Message) -> None:
+    def _decode(self, take: Callable[[Any], None], clock: StampClock, message: Message) -> None:
+        self._message, self._clock = message, clock
         self._now = self._relative(message.log_time)
-        self._publisher = message.source.publisher
         try:
             self._decoder.read(message, take)
         except MissingField as error:
@@ -186,17 +191,24 @@ class _Extractor:
         return (stamp - (self._origin or 0)) * 1e-9
 
     def _time(self, stamp: Any) -> float:
-        """Time of a stamp [s]; that of its arrival if it was not set."""
-        nanoseconds = stamp.secs * 1_000_000_000 + stamp.nsecs
-        return self._relative(nanoseconds) if nanoseconds else self._now
+        """Time of a message's stamp [s]; that of its arrival if it was not set."""
+        return self._times(stamp)[0]
+
+    def _times(self, *stamps: Any) -> list[float]:
+        """Times of a message's stamps [s], the last of which says when it was sent."""
+        known = np.array([s.secs * 1_000_000_000 + s.nsecs for s in stamps], np.int64)
+        arrival = np.array([self._message.log_time], np.int64)
+        times = self._clock.in_log_time(known, arrival, known[-1:])
+        return [self._relative(time) for time in times.tolist()]
 
     def _utterance(self, m: Any) -> None:
         wer = dict(zip(m.phrases, m.wer, strict=False))
         self._data.phrases = tuple(m.phrases) or self._data.phrases
+        start, end, decision = self._times(m.speech_start, m.speech_end, m.decision)
         heard = RecordedUtterance(
-            speech_start=self._time(m.speech_start),
-            speech_end=self._time(m.speech_end),
-            decision=self._time(m.decision),
+            speech_start=start,
+            speech_end=end,
+            decision=decision,
             transcript=m.transcript,
             command=m.command,
             reason=m.reason,
@@ -206,7 +218,7 @@ class _Extractor:
             mode=m.mode,
             decided_by=m.decided_by,
             is_partial=bool(m.is_partial),
-            publisher=self._publisher,
+            publisher=self._message.source.publisher,
         )
         self._data.heard.append(heard)
         if self._sounds is not None:
@@ -250,17 +262,7 @@ class _Extractor:
         self._data.tension.extend(time[is_known], tension[is_known])
 
     def _joints(self, batch: Batch, time: Track) -> None:
-        position = batch.column("position")  # of objects where the messages differ in length
-        rows = list(zip(batch.lists("name"), position, strict=True))
-        if self._data.joints is None:
-            named = next((names for names, q in rows if 0 < len(names) == len(q)), None)
-            if named is None:
-                return
-            self._data.joints = SampledTable(("time", *named))
-        columns = self._data.joints.columns[1:]
-        same = np.array([names == columns and len(q) == len(columns) for names, q in rows])
-        if same.any():
-            self._data.joints.extend(time[same], np.array(list(position[same])))
+        self._joint_tables.add(time, batch.lists("name"), batch.column("position"))
 
     def _audio(self, batch: Batch, time: Track) -> None:
         samples = [np.asarray(block, np.int16) for block in batch.column("samples")]

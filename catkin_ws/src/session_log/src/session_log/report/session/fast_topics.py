@@ -11,6 +11,7 @@ from session_log.mcap_file.bulk import Batch
 from session_log.mcap_file.decoder import MissingField
 from session_log.mcap_file.headers import starts_with_header
 from session_log.report.session.session_data import Intervals, SessionData, Track
+from session_log.report.session.stamp_clock import StampClock
 from session_log.types import Message, MessageSource
 
 TOGETHER = 1000  # messages decoded at once
@@ -35,6 +36,7 @@ class FastTopic:
         self, source: MessageSource, take: Take, data: SessionData, origin: int, period: float
     ) -> None:
         self._source, self._take, self._data, self._origin = source, take, data, origin
+        self._clock = StampClock(source, data.clock_lags)
         self._period, self._due = round(period * 1e9), 0
         self._latest = 0  # [ns] log time of the message before
         self._payloads: list[bytes] = []
@@ -66,9 +68,8 @@ class FastTopic:
         if len(batch.unfit) == len(payloads):
             return
         try:
-            stamps = batch.column("header.stamp")
-            stamps = np.where(stamps == 0, arrivals[batch.fit], stamps)  # some were not set
-            self._take(batch, (stamps - self._origin) * 1e-9)
+            times = self._clock.in_log_time(batch.column("header.stamp"), arrivals[batch.fit])
+            self._take(batch, (times - self._origin) * 1e-9)
         except KeyError as error:
             missing = MissingField(Message(source, b"", 0, 0), str(error.args[0]))
             self._data.missing_fields.add(str(missing))
@@ -77,13 +78,13 @@ class FastTopic:
 class LoopTopic:
     """Time between the messages of one source of a fast topic, by the stamps in their headers."""
 
-    def __init__(self, source: MessageSource, loop: Intervals, origin: int) -> None:
-        self._loop, self._origin = loop, origin
+    def __init__(self, source: MessageSource, loop: Intervals) -> None:
+        self._loop = loop
         self._has_header = starts_with_header(source.definition)
         self._heads = bytearray()
         self._arrivals: list[int] = []
         self._sequences: list[int] = []
-        self._last: tuple[int, float] | None = None  # sequence and time [s] of the one before
+        self._last: tuple[int, int] | None = None  # sequence and time [ns] of the one before
 
     def add(self, message: Message) -> None:
         """Take one message."""
@@ -95,19 +96,18 @@ class LoopTopic:
 
     def flush(self) -> None:
         """Take the intervals of what waits; a lost message makes no late cycle."""
-        arrivals = np.array(self._arrivals, np.int64)
+        times = np.array(self._arrivals, np.int64)  # [ns]
         sequences = np.array(self._sequences, np.int64)
         if self._has_header:
             heads = np.frombuffer(bytes(self._heads), _HEADS)
             sequences = heads["sequence"].astype(np.int64)
             stamps = heads["secs"].astype(np.int64) * 1_000_000_000 + heads["nsecs"]
-            arrivals = np.where(stamps > 0, stamps, arrivals)
+            times = np.where(stamps > 0, stamps, times)
         self._heads, self._arrivals, self._sequences = bytearray(), [], []
-        time = (arrivals - self._origin) * 1e-9
         if self._last is not None:
             sequences = np.concatenate([[self._last[0]], sequences])
-            time = np.concatenate([[self._last[1]], time])
-        if len(time):
-            self._last = int(sequences[-1]), float(time[-1])
+            times = np.concatenate([[self._last[1]], times])
+        if len(times):
+            self._last = int(sequences[-1]), int(times[-1])
         follows = np.diff(sequences) == 1
-        self._loop.extend(np.diff(time)[follows])
+        self._loop.extend(np.diff(times)[follows] * 1e-9)

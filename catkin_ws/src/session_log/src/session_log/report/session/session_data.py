@@ -144,12 +144,16 @@ class SessionData:
     )
     tension: SampledTable = field(default_factory=lambda: SampledTable(("time", "tension")))
     joints: SampledTable | None = None  # columns: time and the names of the joints, [rad]
+    other_joints: int = 0  # samples that name others, or do not fit their names
     sound: SampledTable = field(default_factory=lambda: SampledTable(("time", "level")))  # [dBFS]
     loops: list[Intervals] = field(default_factory=list)
     health: list[NodeHealth] = field(default_factory=list)
     pictures: list[RecordedPicture] = field(default_factory=list)
     urdf: str = ""
     undecodable: Counter[str] = field(default_factory=Counter)  # messages by topic
+    clock_lags: dict[str, float] = field(  # of topics that another clock stamped:
+        default_factory=dict  # from stamp to arrival [s]
+    )
     missing_fields: set[str] = field(default_factory=set)  # what was recorded without which field
     intended: list[IntendedPhrase] = field(default_factory=list)
     phrases: tuple[str, ...] = ()  # every command that the recogniser compared with

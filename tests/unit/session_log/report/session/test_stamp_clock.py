@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Times in a session whose stamps are of another clock than the recorder's."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from session_log.report.session.extract import extract
+from session_log.report.session.stamp_clock import APART, StampClock
+from support.message_classes import source_of
+from support.story import START, Story, recording_of
+
+SECOND = 1_000_000_000  # [ns]
+CLOCKS = {"simulated": START, "an hour behind": 3600 * SECOND, "a minute ahead": -60 * SECOND}
+SOURCE = source_of("/joint_states", "sensor_msgs/JointState")
+
+
+class StoryOfAnotherClock(Story):
+    """Its stamps are this much behind the recorder's clock [ns]."""
+
+    def __init__(self, lag, **options):
+        super().__init__(**options)
+        self.lag = lag
+
+    def set_time(self, stamp, seconds):
+        stamp.secs, stamp.nsecs = divmod(self.start - self.lag + int(seconds * SECOND), SECOND)
+
+
+@pytest.fixture(scope="module")
+def data_of(report_config, tmp_path_factory):
+    config = replace(report_config, utterance_sound=False)
+
+    @cache
+    def read(lag):
+        story = StoryOfAnotherClock(lag, duration=7.0, rate=20)
+        path = tmp_path_factory.mktemp("clock") / "session.mcap"
+        return extract(recording_of(path, list(story.build())), config)
+
+    return read
+
+
+@pytest.fixture(scope="module")
+def by_one_clock(data_of):
+    return data_of(0)
+
+
+def times_of(data):
+    """Times in each table, by its name [s]."""
+    heard = [(h.speech_start, h.speech_end, h.decision) for h in data.heard]
+    spans = {"modes": data.modes, "states": data.states, "phases": data.phases}
+    return {
+        "utterances": np.ravel(heard),
+        "events": [event.time for event in data.events],
+        "pictures": [picture.time for picture in data.pictures],
+        "joints": data.joints["time"],
+        "tension": data.tension["time"],
+        "controller": data.controller["time"],
+        "sound": data.sound["time"],
+        **{name: np.ravel([(s.start, s.end) for s in found]) for name, found in spans.items()},
+    }
+
+
+@pytest.mark.parametrize("lag", CLOCKS.values(), ids=CLOCKS)
+def test_every_table_has_the_times_of_the_recorders_clock(by_one_clock, data_of, lag):
+    expected, found = times_of(by_one_clock), times_of(data_of(lag))
+    for name, times in expected.items():
+        assert len(times) and found[name] == pytest.approx(times, abs=0.05), name
+
+
+@pytest.mark.parametrize("lag", CLOCKS.values(), ids=CLOCKS)
+def test_how_long_somebody_spoke_and_a_cycle_took_is_as_it_was_stamped(by_one_clock, data_of, lag):
+    found = data_of(lag)
+    for one, other in zip(by_one_clock.heard, found.heard, strict=True):
+        length = one.speech_end - one.speech_start
+        assert other.speech_end - other.speech_start == pytest.approx(length, abs=1e-6)
+    for one, other in zip(by_one_clock.loops, found.loops, strict=True):
+        assert list(other.length)[1:] == pytest.approx(list(one.length)[1:], abs=1e-6)
+
+
+def test_each_topic_of_another_clock_is_known_with_the_distance(by_one_clock, data_of):
+    assert by_one_clock.clock_lags == {}
+    lags = data_of(3600 * SECOND).clock_lags
+    assert {"/joint_states", "/rst_control/state", "/voice_assist/utterance"} <= set(lags)
+    assert list(lags.values()) == pytest.approx([3600.0] * len(lags), abs=0.1)
+
+
+def in_log_time(clock, *pairs):
+    stamps, arrivals = (np.array(side, np.int64) for side in zip(*pairs, strict=True))
+    return clock.in_log_time(stamps, arrivals).tolist()
+
+
+def test_one_message_that_was_late_makes_no_other_clock():
+    lags = {}
+    clock = StampClock(SOURCE, lags)
+    pairs = [(100, 101), (102, 102 + int(2 * APART) * SECOND), (104, 105)]
+    assert in_log_time(clock, *pairs) == [100, 102, 104] and lags == {}
+
+
+def test_a_stamp_that_was_not_set_decides_nothing():
+    lags = {}
+    clock = StampClock(SOURCE, lags)
+    assert in_log_time(clock, (0, START)) == [START] and lags == {}
+    assert in_log_time(clock, (START + 5, START + 7)) == [START + 5]
+
+
+def test_a_latched_message_of_long_ago_has_the_time_of_its_arrival_and_no_warning():
+    lags = {}
+    clock = StampClock(replace(SOURCE, is_latched=True), lags)
+    assert in_log_time(clock, (START - 600 * SECOND, START)) == [START] and lags == {}
