@@ -44,6 +44,8 @@ document.querySelectorAll(".zoom").forEach((box) => {
     const length = Math.min(Math.max(last - first, LEAST), data.duration);
     from = Math.min(Math.max(first, 0), data.duration - length);
     to = from + length;
+    canvas.setAttribute("aria-valuenow", ((from + to) / 2).toFixed(1));
+    canvas.setAttribute("aria-valuetext", `${from.toFixed(1)} to ${to.toFixed(1)} seconds`);
     draw();
   }
   function scale(factor, middle = (from + to) / 2) {
@@ -75,12 +77,17 @@ document.querySelectorAll(".zoom").forEach((box) => {
     }
   }
   function curve(track, y) {
-    const low = Math.min(...extremes(track.value)), high = Math.max(...extremes(track.value));
+    const [low, high] = extremes(track.value.filter((value) => value !== null));
     const at = (value) => y + CURVE - 4 - ((value - low) / (high - low || 1)) * (CURVE - 12);
     pen.strokeStyle = "#0072b2";
     pen.beginPath();
+    let isBroken = true; // where a value is no number
     track.time.forEach((time, k) => {
-      if (time >= from - 1 && time <= to + 1) pen.lineTo(Math.max(x(time), LEFT), at(track.value[k]));
+      const value = track.value[k];
+      if (time >= from - 1 && time <= to + 1 && value !== null) {
+        pen[isBroken ? "moveTo" : "lineTo"](Math.max(x(time), LEFT), at(value));
+      }
+      isBroken = value === null;
     });
     pen.stroke();
     pen.fillStyle = "#616e7c";
@@ -158,23 +165,45 @@ document.querySelectorAll(".zoom").forEach((box) => {
     button.addEventListener("click", () => scale(+button.dataset.scale));
   });
 
+  const keys = {
+    ArrowLeft: () => show(from - (to - from) / 10, to - (to - from) / 10),
+    ArrowRight: () => show(from + (to - from) / 10, to + (to - from) / 10),
+    "+": () => scale(0.5),
+    "=": () => scale(0.5), // the key of + without shift
+    "-": () => scale(2),
+    Enter: () => goTo((from + to) / 2, (to - from) / 2),
+  };
+  canvas.addEventListener("keydown", (event) => {
+    if (!keys[event.key] || event.ctrlKey || event.altKey || event.metaKey) return;
+    event.preventDefault(); // the page scrolls otherwise
+    keys[event.key]();
+  });
+
   // Between the rows of the tables and the time axis.
   const rows = [...document.querySelectorAll("tr[data-time]")];
-  function goTo(time) {
+  function goTo(time, reach = ((to - from) / (width - LEFT)) * 40) { // seconds
     const away = (row) => Math.abs(row.dataset.time - time);
     const row = rows.reduce((a, b) => (a && away(a) <= away(b) ? a : b), null);
-    if (!row || away(row) > ((to - from) / (width - LEFT)) * 40) return;
+    if (!row || away(row) > reach) return;
     row.closest("details").open = true;
     row.scrollIntoView({ block: "center" });
+    row.querySelector(".at").focus({ preventScroll: true });
     row.classList.add("found");
     setTimeout(() => row.classList.remove("found"), 2000);
   }
   rows.forEach((row) => {
-    row.querySelector("td span").addEventListener("click", () => {
+    const words = row.querySelector("td span"), button = document.createElement("button");
+    button.className = "at";
+    button.title = "show on the time axis";
+    words.replaceWith(button);
+    button.append(words);
+    button.addEventListener("click", () => {
       show(row.dataset.time - 5, +row.dataset.time + 5);
       box.scrollIntoView({ block: "center" });
+      canvas.focus({ preventScroll: true });
     });
   });
   new ResizeObserver(() => canvas.clientWidth !== width && draw()).observe(canvas);
-  draw();
+  canvas.setAttribute("aria-valuemax", data.duration);
+  show(from, to);
 });

@@ -121,6 +121,30 @@ def test_what_was_refused_has_a_table_of_its_own(report):
     assert rows == [["28.8\u00a0s", "tense", "“tense”", "tissue is held already"]]
 
 
+@pytest.mark.usefixtures("without_figures")
+def test_the_page_counts_refused_hands_and_failed_devices_apart_from_the_voice(
+    tmp_path, report_config
+):
+    story = Story(duration=3.0)
+    story.event(1.0, "refused", "tense", "held")
+    call = {"phrase": "light on", "target": "/light", "message": "away"}
+    story.say(2.0, "/voice_assist/device", "voice_assist/DeviceCall", **call)
+    session = recording_of(tmp_path / "s.mcap", story.messages)
+    text = write_report(session, tmp_path, report_config).page.read_text("utf-8")
+    facts = re.findall(r'<b>(.*?)</b><span class="quiet">(.*?)</span>', text)
+    assert facts[:3] == [
+        ("0", "spoken commands"),
+        ("0", "of them refused by the controller"),
+        ("1", "device calls that failed"),
+    ]
+    page = Page(text)
+    assert "Device calls that failed, and why" in page.headings
+    assert [row[1:] for row in page.rows if len(row) == 4] == [
+        ["tense", "by\u00a0hand", "held"],
+        ["light on", "by\u00a0devices", "/light, away"],
+    ]
+
+
 def test_accuracy_counts_what_was_meant_and_never_heard(report):
     rows = {row[0]: row[1:] for row in report[1].rows if len(row) == 5}
     assert rows["stop"] == ["2", "1", "50.0\u00a0%", "1.3 to 98.7\u00a0%"]

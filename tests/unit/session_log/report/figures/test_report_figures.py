@@ -15,9 +15,9 @@ from session_log.mcap_file.summary import RecordingSummary
 from session_log.report.figures import POOL_FIGURES, SessionMaterial
 from session_log.report.figures.joints import JointsFigure
 from session_log.report.figures.rcm import RcmErrorFigure
-from session_log.report.figures.style import NARROW, WIDE
-from session_log.report.figures.tension import TensionFigure, tension_limit
-from session_log.report.figures.timeline import TimelineFigure
+from session_log.report.figures.style import NARROW, RED, WIDE, thin
+from session_log.report.figures.tension import TensionFigure
+from session_log.report.figures.timeline import TimelineFigure, timeline_labels
 from session_log.report.pool.pool import Pool
 from session_log.report.session.analysis import command_rows
 from session_log.report.session.extract import extract
@@ -114,9 +114,6 @@ def test_captions_count_what_was_wrong(material):
 
 def test_the_limit_of_the_tension_is_drawn_where_the_settings_name_it(material):
     settings = {"other": "x: [", "controller": "tension: {limit: 2.4, maximum: 2.0}\nx: 1"}
-    assert tension_limit(settings) == 2.4
-    assert tension_limit({"robot1": "controller: {tension: {limit: 3}}"}) == 3.0
-    assert tension_limit({"controller": "watchdogs: {tension: 1}"}) is None
     condition = replace(material.data.recording.condition, metadata=[("parameters", settings)])
     data = replace(material.data, recording=replace(material.data.recording, condition=condition))
     assert "limit 2.4 N" in words_of(TensionFigure().draw(replace(material, data=data), WIDE))
@@ -165,3 +162,74 @@ def test_a_tension_of_the_controller_that_is_no_number_leaves_the_others_drawn(m
     assert list(figure.axes[0].lines[0].get_ydata()) == [1.0]
     assert figure.axes[0].get_ylim()[1] == pytest.approx(2.5)
     assert summarise("s", odd.data, [], odd.rcm, odd.config).tension == 1.0
+    assert "Largest: 1.00 N. With a target set: 1.00 N." in TensionFigure().caption(odd)
+
+
+def test_a_robot_without_a_sensor_has_no_figure_of_its_tension(material):
+    nothing = SampledTable(material.data.tension.columns)
+    recording = replace(material.data.recording, topics={})
+    unmeasured = replace(material.data, tension=nothing, recording=recording)
+    assert len(unmeasured.controller) and TensionFigure().can_draw(material)
+    assert not TensionFigure().can_draw(replace(material, data=unmeasured))
+
+
+def test_the_timeline_counts_refusals_of_what_was_said_and_device_calls_apart(material):
+    words = "11 taken for a command, 2 not; of the commands, the controller refused 1. Bars"
+    assert words in TimelineFigure().caption(material)
+    refused = next(row for row in material.rows if row.outcome == "refused")
+    by_pedal = replace(refused, heard=None, caller="/pedal")
+    failed = replace(refused, outcome="failed", command="light on", caller="devices")
+    more = replace(material, rows=[*material.rows, by_pedal, failed])
+    caption = TimelineFigure().caption(more)
+    assert "the controller refused 1. Device calls that failed: 1." in caption
+    marked = {label.words for label in timeline_labels(more) if label.color == RED}
+    assert marked == {"tense", "light on"}
+
+
+def joints_of(material, **positions):
+    """The material with these joints: a turning one to 1 rad, a sliding one to 0.1 m."""
+    table = SampledTable(("time", *positions))
+    table.extend(np.arange(3.0), *map(np.array, positions.values()))
+    limits = {"turn": ("revolute", -1.0, 1.0), "slide": ("prismatic", 0.0, 0.1)}
+    urdf = "".join(
+        f'<joint name="{name}" type="{kind}"><limit lower="{low}" upper="{high}"/></joint>'
+        for name, (kind, low, high) in limits.items()
+    )
+    return replace(
+        material, data=replace(material.data, joints=table, urdf=f"<robot>{urdf}</robot>")
+    )
+
+
+def test_sliding_joints_are_drawn_in_millimetres_beside_turning_ones_in_degrees(material):
+    odd = joints_of(material, turn=[0.0, math.nan, 0.5], slide=[0.02, 0.04, 0.05])
+    figure = JointsFigure().draw(odd, WIDE)
+    words = words_of(figure)
+    assert "28.6°" in words and "20.0\u00a0mm" in words and not any("nan" in w for w in words)
+    bars = {
+        ax.get_xlabel().split()[1]: [(b.get_x(), b.get_width()) for b in ax.patches]
+        for ax in figure.axes
+    }
+    assert bars == {
+        "[°]": [pytest.approx((-57.3, 114.6), abs=0.1), pytest.approx((0.0, 28.6), abs=0.1)],
+        "[mm]": [pytest.approx((0.0, 100.0)), pytest.approx((20.0, 30.0))],
+    }
+    caption = JointsFigure().caption(odd)
+    assert "Smallest margin: 28.6° (turn)." in caption
+    assert "Smallest margin of a sliding joint: 20.0\u00a0mm (slide)." in caption
+    assert "Positions that are not finite, left out: 1 of turn." in caption
+
+
+def test_a_joint_without_any_finite_position_has_no_bar(material):
+    odd = joints_of(material, turn=[math.nan] * 3, slide=[0.02] * 3)
+    figure = JointsFigure().draw(odd, WIDE)
+    assert len(figure.axes[0].patches) == 1 and "not finite" in words_of(figure)
+    assert "names no joint limits" not in JointsFigure().caption(odd)
+
+
+def test_a_thinned_curve_keeps_its_extremes_and_its_gaps():
+    time, value = np.arange(1000.0), np.sin(np.arange(1000.0))
+    value[500:520] = math.nan
+    value[510], value[700] = 5.0, -5.0
+    shown, kept = thin(time, value, 100)
+    assert np.nanmax(kept) == 5.0 and np.nanmin(kept) == -5.0 and len(kept) <= 102
+    assert 500.0 in shown[np.isnan(kept)]

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from session_log.report.pool.pool import Pool, reason_of
+from session_log.report.sections import large_facts
 from session_log.report.session.analysis import command_rows, rcm_while_moving, statistics
 from session_log.report.session.shaft import rcm_from_joints
 from session_log.report.session.summary import (
@@ -182,7 +183,40 @@ def test_refusals_of_many_sessions_are_counted_most_frequent_first(summary, repo
 
     given = [refused("tense", "halted; say"), refused("stop", "x"), refused("tense", "halted")]
     pool = pool_of(report_config, replace(summary, given=tuple(given)))
-    assert pool_tables.refusals_table(pool).rows == [("tense", "halted", "2"), ("stop", "x", "1")]
+    assert pool_tables.reasons_table(pool.refusals).rows == [
+        ("tense", "halted", "2"),
+        ("stop", "x", "1"),
+    ]
+
+
+def test_the_facts_count_refusals_among_the_commands_beside_them(summary, report_config):
+    def given(by, outcome):
+        return GivenCommand("tense", 0.1, math.nan, outcome, "/light, away", False, by)
+
+    mixed = [given("voice", "accepted"), given("voice", "refused"), given("voice", "failed")]
+    mixed += [given("pedal", "refused")] * 4
+    pool = pool_of(report_config, replace(summary, given=tuple(mixed)))
+    spoken = pool.inputs["voice"]
+    assert (spoken.given, spoken.refused) == (3, 1) and pool.outcomes["refused"] == 5
+    facts = large_facts(pool, {"spoken commands": spoken.given, "refused": spoken.refused})
+    assert list(facts.items())[:3] == [
+        ("spoken commands", "3"),
+        ("refused", "1"),
+        ("device calls that failed", "1"),
+    ]
+    assert pool_tables.reasons_table(pool.failures).rows == [("tense", "/light, away", "1")]
+    assert "device calls that failed" not in large_facts(pool_of(report_config, summary), {})
+
+
+def test_the_largest_tension_stands_beside_that_with_a_target(summary, report_config):
+    unmeasured = replace(summary, tension=math.nan, tension_with_target=math.nan)
+    halted = replace(unmeasured, tension=2.6)
+    pool = pool_of(report_config, unmeasured, summary, halted, unmeasured)
+    assert large_facts(pool, {})["largest tension"] == "2.60\u00a0N"
+    rows = {row[0]: row[2] for row in pool_tables.motion_table(pool).rows}
+    assert rows["tension"] == "2.60\u00a0N"
+    assert rows["tension with a target set"] == f"{summary.tension_with_target:.2f}\u00a0N"
+    assert "largest tension" not in large_facts(pool_of(report_config, unmeasured), {})
 
 
 def test_a_pool_keeps_numbers_not_sessions(summary, report_config):

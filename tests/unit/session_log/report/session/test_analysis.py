@@ -137,12 +137,16 @@ def test_a_stop_of_another_or_before_the_word_is_another_stop(report_config, tim
     ]
 
 
-@pytest.mark.parametrize(("kind", "words"), [("accepted", "/light"), ("refused", "/light, dark")])
-def test_what_a_device_answers_is_the_answer_to_its_word(report_config, kind, words):
+@pytest.mark.parametrize(
+    ("kind", "words", "outcome"),
+    [("accepted", "/light", "accepted"), ("refused", "/light, dark", "failed")],
+)
+def test_what_a_device_answers_is_the_answer_to_its_word(report_config, kind, words, outcome):
     data = session([heard("light on", 1.0, 1.2)])
     data.device_calls.append(RecordedEvent(1.3, kind, "light on", words, caller="devices"))
     (row,) = analysis.command_rows(data, report_config)
-    assert (row.outcome, row.message, row.caller) == (kind, words, "devices")
+    assert (row.outcome, row.message, row.caller) == (outcome, words, "devices")
+    assert math.isnan(row.action_latency) == (outcome == "failed")
 
 
 def test_a_refusal_has_no_action(report_config):
@@ -220,6 +224,46 @@ def test_a_motion_of_another_command_is_not_the_action(report_config):
     ]
     rows = rows_of(report_config, [heard("tense", 1.0, 1.2)], events)
     assert rows[0].action is None
+
+
+def later(value, seconds):
+    """The same event, utterance or span, so many seconds later."""
+    times = ("time", "speech_start", "speech_end", "decision", "start", "end")
+    moved = {name: getattr(value, name) + seconds for name in times if hasattr(value, name)}
+    return replace(value, **moved)
+
+
+def test_commands_among_many_have_the_rows_that_they_have_alone(report_config):
+    said = [heard("tense", 1.0, 1.2), heard("pull more", 3.0, 3.2), heard("stop", 5.0, 5.3)]
+    events = [
+        RecordedEvent(1.21, "accepted", "tense", "reaches"),
+        RecordedEvent(1.3, "motion_started", "tense", ""),
+        RecordedEvent(3.21, "accepted", "pull more", "further"),
+        RecordedEvent(5.3, "stop_received", "stop", "by topic"),
+        RecordedEvent(5.31, "stop_received", "stop", "by service"),
+        RecordedEvent(6.0, "accepted", "pull more", "by hand", caller="/pedal"),
+        RecordedEvent(6.5, "motion_started", "pull more", ""),
+        RecordedEvent(7.0, "refused", "tense", "held", caller="/pedal"),
+    ]
+    states = [Span(1.3, 5.5, "moving"), Span(5.5, 6.5, "halted")]
+    alone = rows_of(report_config, said, events, states)
+    assert [(r.command, r.outcome, r.action) for r in alone] == [
+        ("tense", "accepted", 1.3),
+        ("pull more", "accepted", 3.21),
+        ("stop", "accepted", 5.3),
+        ("pull more", "accepted", 6.5),
+        ("tense", "refused", None),
+    ]
+    rounds = [100.0 * k for k in range(50)]
+    many = [[later(v, t) for t in rounds for v in values] for values in (said, events, states)]
+    rows = rows_of(report_config, *many)
+    assert [(r.command, r.outcome, r.message, r.caller) for r in rows] == [
+        (r.command, r.outcome, r.message, r.caller) for _ in rounds for r in alone
+    ]
+    for found, (time, row) in zip(rows, [(t, r) for t in rounds for r in alone], strict=True):
+        assert found.answered == pytest.approx(row.answered + time)
+        assert (found.action is None) == (row.action is None)
+        assert found.action is None or found.action == pytest.approx(row.action + time)
 
 
 def test_statistics_agree_with_numpy_and_leave_nan_out():

@@ -10,7 +10,13 @@ from pathlib import Path
 from session_log.report.figures import POOL_FIGURES
 from session_log.report.page import Image, Section, page, table_section
 from session_log.report.pool.pool import Pool
-from session_log.report.sections import figure_section, inputs_section, large_facts
+from session_log.report.sections import (
+    FAILURES,
+    OF_THEM_REFUSED,
+    figure_section,
+    inputs_section,
+    large_facts,
+)
 from session_log.report.tables import pool_tables
 from session_log.report.tables.folder_tables import sessions_table, unread_table
 from session_log.report.tables.text_table import duration_words
@@ -18,15 +24,18 @@ from session_log.report.tables.text_table import duration_words
 SESSIONS_NOTE = (
     "Right: phrases taken as they were meant. Action: median time from the end of speech. RCM: "
     "largest error while moving, by the controller and from the joint states. Tension: largest. "
-    "Margin: smallest to a joint limit. Late: share of late cycles of the fast topics. Coloured: "
-    "recordings that were not closed, are damaged or lack messages."
+    "Margin: smallest of a turning joint to its limit. Late: share of late cycles of the fast "
+    "topics. Incomplete: the recording was not closed, is damaged or lacks messages."
 )
 SEARCH = "search words, refusals, notes, dates"
 
 
 def folder_page(pool: Pool, images: Mapping[str, Image], folder: Path) -> str:
     """Set the page that will lie in `folder`."""
-    commands = {"commands, spoken and by hand": sum(pool.outcomes.values())}
+    commands = {
+        "commands, spoken and by hand": sum(pool.outcomes.values()),
+        OF_THEM_REFUSED: pool.outcomes["refused"],
+    }
     return page(
         f"{len(pool.members)} sessions",
         _subtitle(pool),
@@ -45,8 +54,10 @@ def _sections(pool: Pool, images: Mapping[str, Image], folder: Path) -> Iterator
     yield Section("Motion", table=pool_tables.motion_table(pool))
     if len(pool.inputs) > 1:
         yield inputs_section(pool)
-    refused = pool_tables.refusals_table(pool)
+    refused = pool_tables.reasons_table(pool.refusals)
     yield table_section("What was refused, and why", refused, "Nothing was refused.")
+    if pool.failures:
+        yield Section(FAILURES, table=pool_tables.reasons_table(pool.failures))
     if pool.unread:
         yield Section("Not readable", table=unread_table(pool))
 

@@ -11,9 +11,12 @@ from typing import Any
 from session_log.report.figures import ReportFigure
 from session_log.report.page import Image, Section
 from session_log.report.pool.pool import Pool
+from session_log.report.session.analysis import FAILED
 from session_log.report.tables import pool_tables
 from session_log.report.tables.text_table import length, newtons, percent, seconds
 
+OF_THEM_REFUSED = "of them refused by the controller"
+FAILURES = "Device calls that failed, and why"
 INPUTS_NOTE = (
     "Action: time from the end of speech, or from the controller's answer to a pedal or a hand. In "
     "brackets: exact 95 % confidence bounds. Taken for another: known where it was recorded what "
@@ -26,12 +29,13 @@ def large_facts(pool: Pool, commands: Mapping[str, int]) -> dict[str, str]:
 
     Args:
         pool: The sessions.
-        commands: How many there were, by what is said beside the number.
+        commands: How many there were, and of them refused, by what is said beside the number.
     """
     _, total, share = pool.accuracy()
     action = pool.latencies().action
     facts = {name: str(count) for name, count in commands.items()}
-    facts["refused"] = str(pool.outcomes["refused"])
+    if failed := pool.outcomes[FAILED]:
+        facts["device calls that failed"] = str(failed)
     facts["speech that did nothing"] = str(pool.ignored)
     if total:
         facts[f"of {total} commands taken as meant"] = percent(share.value)

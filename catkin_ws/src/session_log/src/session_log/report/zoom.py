@@ -3,13 +3,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
+
+import numpy as np
 
 from session_log.report.figures import SessionMaterial
 from session_log.report.figures.style import GREEN, INK, QUIET, SKY, STATE_COLORS, thin
 from session_log.report.figures.timeline import LOUDEST, QUIETEST, timeline_labels
 from session_log.report.notes import Note
 from session_log.report.session.session_data import Span, Track
+from session_log.report.session.tension import measured_tension
 
 POINTS = 8000  # of a curve
 PHASE = "#cfe3f1"
@@ -26,6 +30,7 @@ def zoom_data(material: SessionMaterial, notes: Iterable[Note]) -> Drawn:
         notes: On it; those of a moment are marked.
     """
     data = material.data
+    tension = measured_tension(data, material.config.topics.tension)
     speech = [(u.speech_start, u.speech_end, "", GREEN if u.command else QUIET) for u in data.heard]
     marks = [(label.time, label.words, label.color) for label in timeline_labels(material)]
     marks += [(note.time, note.words, INK) for note in notes if note.time is not None]
@@ -40,7 +45,7 @@ def zoom_data(material: SessionMaterial, notes: Iterable[Note]) -> Drawn:
         ],
         "curves": [
             _curve("sound [dBFS]", data.sound["time"], data.sound["level"].clip(QUIETEST, LOUDEST)),
-            _curve("tension [N]", data.controller["time"], data.controller["tension"]),
+            _curve("tension [N]", tension["time"], tension["tension"]),
         ],
     }
 
@@ -54,5 +59,9 @@ def _rounded(spans: Iterable[tuple[float, float, str, str]]) -> list[Sequence[ob
 
 
 def _curve(name: str, time: Track, value: Track) -> Drawn:
+    """A curve with gaps where its value is no number, which JSON has no word for."""
+    if not np.isfinite(value).any():
+        return {"name": name, "time": [], "value": []}
     time, value = thin(time, value, POINTS)
-    return {"name": name, "time": time.round(2).tolist(), "value": value.round(2).tolist()}
+    known = [v if math.isfinite(v) else None for v in value.round(2).tolist()]
+    return {"name": name, "time": time.round(2).tolist(), "value": known}

@@ -108,13 +108,21 @@ def time_axis(ax: Axes, duration: float) -> None:
 
 
 def thin(time: Track, value: Track, points: int = 4000) -> tuple[Track, Track]:
-    """Keep extremes of long tracks: the least and the largest of each of `points / 2` stretches."""
+    """Keep extremes of long tracks: the least and the largest of each of `points / 2` stretches.
+
+    A stretch with values that are not finite keeps the first of them, too.
+    """
     if len(time) <= points:
         return time, value
+    is_known = np.isfinite(value)
+    low, high = np.where(is_known, value, np.inf), np.where(is_known, value, -np.inf)
     stretch = -(-len(time) // (points // 2))
     keep = []
     for begin in range(0, len(time), stretch):
-        part = value[begin : begin + stretch]
-        keep += sorted({begin + int(part.argmin()), begin + int(part.argmax())})
+        part = slice(begin, begin + stretch)
+        found = {low[part].argmin(), high[part].argmax()}
+        if not is_known[part].all():
+            found.add(is_known[part].argmin())
+        keep += sorted(begin + int(k) for k in found)
     index = np.array(keep)
     return time[index], value[index]

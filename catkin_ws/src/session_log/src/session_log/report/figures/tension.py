@@ -3,11 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
-import yaml
 from matplotlib.figure import Figure
 
 from session_log.report.figures.figure import SessionFigure, SessionMaterial
@@ -21,8 +17,14 @@ from session_log.report.figures.style import (
     thin,
     time_axis,
 )
-from session_log.report.session.analysis import statistics, tension_error, tension_with_target
+from session_log.report.session.analysis import statistics
 from session_log.report.session.session_data import SampledTable
+from session_log.report.session.tension import (
+    measured_tension,
+    tension_error,
+    tension_settings,
+    tension_with_target,
+)
 
 
 class TensionFigure(SessionFigure):
@@ -33,16 +35,18 @@ class TensionFigure(SessionFigure):
     lacking = "The recording holds no tension."
 
     def can_draw(self, material: SessionMaterial) -> bool:
-        """Whether tension was recorded."""
-        return len(material.data.tension) > 0 or len(material.data.controller) > 0
+        """Whether tension was measured."""
+        return bool(np.isfinite(_measured(material)["tension"]).any())
 
     def caption(self, material: SessionMaterial) -> str:
         """Name the largest tension and its distance from the target."""
+        measured = statistics(_measured(material)["tension"])
         pulled = statistics(tension_with_target(material.data))
         error = statistics(tension_error(material.data))
-        words = "Force of the tissue on the jaws and its target; shaded while the robot moves."
+        words = "Force of the tissue on the jaws and its target; shaded while the robot moves. "
+        words += f"Largest: {measured.largest:.2f} N."
         if pulled.count:
-            words += f" Largest with a target set: {pulled.largest:.2f} N."
+            words += f" With a target set: {pulled.largest:.2f} N."
         if error.count:
             words += (
                 f" Distance from the target while the robot holds: mean {error.mean:.2f} N, "
@@ -56,7 +60,7 @@ class TensionFigure(SessionFigure):
         figure = new_figure(layout, 2.2)
         ax = figure.subplots()
         shade_motion(ax, data.states)
-        measured: SampledTable = data.tension if len(data.tension) else data.controller
+        measured = _measured(material)
         is_known = np.isfinite(measured["tension"])
         time, tension = thin(measured["time"][is_known], measured["tension"][is_known])
         ax.plot(time, tension, color=BLUE, lw=0.9, label="measured")
@@ -66,7 +70,7 @@ class TensionFigure(SessionFigure):
             shown = np.where(target > 0, target, np.nan)
             ax.plot(data.controller["time"], shown, color=INK, ls="--", lw=1.0, label="target")
             top = max(top, float(target.max()))
-        if (limit := tension_limit(data.recording.condition.latest("parameters"))) is not None:
+        if (limit := tension_settings(data).get("limit")) is not None:
             ax.axhline(limit, color=RED, lw=1.0, ls="--", label=f"limit {limit:.3g} N")
             top = max(top, limit)
         ax.set_ylim(0.0, max(top, 0.1) * 1.25)
@@ -76,26 +80,5 @@ class TensionFigure(SessionFigure):
         return figure
 
 
-def tension_limit(parameters: Mapping[str, str]) -> float | None:
-    """Tension at which the recorded controller stops [N]; None if its settings name none.
-
-    Args:
-        parameters: The recorded parameters, by their first name.
-    """
-    for text in parameters.values():
-        try:
-            found = _limit_in(yaml.safe_load(text)) if "tension:" in text else None
-        except yaml.YAMLError:
-            continue
-        if found is not None:
-            return found
-    return None
-
-
-def _limit_in(settings: Any) -> float | None:
-    if not isinstance(settings, dict):
-        return None
-    tension = settings.get("tension")
-    if isinstance(tension, dict) and isinstance(limit := tension.get("limit"), (int, float)):
-        return float(limit)
-    return next((v for v in map(_limit_in, settings.values()) if v is not None), None)
+def _measured(material: SessionMaterial) -> SampledTable:
+    return measured_tension(material.data, material.config.topics.tension)

@@ -25,9 +25,11 @@ from session_log.report.figures.style import (
     new_figure,
     thin,
 )
+from session_log.report.session.analysis import FAILED
 from session_log.report.session.session_data import Span
 from session_log.report.session.trials import NOT_SAID, NOTHING, PhraseTrial
 
+WRONG = ("refused", FAILED)  # outcomes
 MOST_ROWS = 6
 LANES = 4
 LONGEST_LABEL = 26  # characters
@@ -86,11 +88,14 @@ class TimelineFigure(SessionFigure):
         """Count what happened."""
         heard = material.data.heard
         matched = sum(1 for h in heard if h.command)
-        refused = sum(1 for row in material.rows if row.outcome == "refused")
+        refused = sum(1 for row in material.rows if row.heard and row.outcome == "refused")
+        failed = sum(1 for row in material.rows if row.outcome == FAILED)
         return (
             f"{len(heard)} utterances, {matched} taken for a command, {len(heard) - matched} not; "
-            f"refused by the controller: {refused}. Bars: speech; labels stand at the decision. "
-            "Grey: sound level." + _setting_words(material)
+            f"of the commands, the controller refused {refused}. "
+            + (f"Device calls that failed: {failed}. " if failed else "")
+            + "Bars: speech; labels stand at the decision. Grey: sound level."
+            + _setting_words(material)
         )
 
     def draw(self, material: SessionMaterial, layout: Layout) -> Figure:
@@ -194,7 +199,7 @@ def _draw_label(ax: Axes, label: TimelineLabel, left: float, y: float) -> None:
 def timeline_labels(material: SessionMaterial) -> list[TimelineLabel]:
     """Every command, every utterance that was none, every phrase taken wrongly; by time."""
     labels = [
-        TimelineLabel(row.time, row.command, RED if row.outcome == "refused" else INK, "normal")
+        TimelineLabel(row.time, row.command, RED if row.outcome in WRONG else INK, "normal")
         for row in material.rows
     ]
     wrong = (trial for trial in material.trials if not trial.is_correct)

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from session_log.config import ReportConfig
 from session_log.report.bounds import Bounded, proportion
+from session_log.report.session.analysis import FAILED
 from session_log.report.session.summary import GivenCommand, MomentSummary, SessionSummary
 from session_log.report.session.trials import NO_COMMAND, NOT_SAID, NOTHING, OTHER, is_correct
 
@@ -37,7 +38,7 @@ class PooledSession:
     action: float  # [s] median time from the end of speech to the action; nan if none
     rcm: float  # [m] largest while moving, by the controller; nan if none
     rcm_joints: float  # [m] the same from joint states
-    tension: float  # [N]
+    tension: float  # [N] largest; nan if it was not measured
     margin: float  # [rad] to the nearest joint limit
     late: int  # late cycles of the fast topics
     cycles: int
@@ -86,13 +87,14 @@ class Pool:
         self.unread: list[UnreadSession] = []
         self.confusions: Counter[tuple[str, str]] = Counter()  # intended, taken
         self.refusals: Counter[tuple[str, str]] = Counter()  # command, reason
+        self.failures: Counter[tuple[str, str]] = Counter()  # the same of calls to devices
         self.outcomes: Counter[str] = Counter()
         self.commits: Counter[str] = Counter()  # of the software that was recorded
         self.early = self.ignored = self.rcm_above = self.rcm_joints_above = 0
         self.knows_intent = False  # whether any session knows what was meant to be said
         self.duration = 0.0  # [s]
         self.rcm = self.rcm_joints = self.tension_error = MomentSummary()
-        self.tension = -math.inf  # [N]
+        self.tension = self.tension_with_target = math.nan  # [N] largest
         self.inputs: dict[str, InputCounts] = {}  # by what gave the commands
         self._latencies: dict[str, Latencies] = {}
         self._phrases: dict[str, None] = {}
@@ -113,8 +115,8 @@ class Pool:
         self.rcm_above += summary.rcm_above
         self.rcm_joints_above += summary.rcm_joints_above
         self.tension_error += summary.tension_error
-        if math.isfinite(summary.tension):
-            self.tension = max(self.tension, summary.tension)
+        self.tension = _larger(self.tension, summary.tension)
+        self.tension_with_target = _larger(self.tension_with_target, summary.tension_with_target)
 
     @property
     def commands(self) -> list[str]:
@@ -161,6 +163,8 @@ class Pool:
             counts.reactions.append(given.reaction)
         if given.outcome == "refused":
             self.refusals[given.command, reason_of(given.message)] += 1
+        if given.outcome == FAILED:
+            self.failures[given.command, reason_of(given.message)] += 1
         if given.is_spoken:
             self.early += given.is_partial
             times = self._latencies.setdefault(given.command, Latencies())
@@ -203,6 +207,11 @@ def _member(path: Path, page: Path | None, summary: SessionSummary) -> PooledSes
 def _answers(summary: SessionSummary) -> Iterator[str]:
     for given in summary.given:
         yield f"{given.command} {given.outcome} {given.message}"
+
+
+def _larger(one: float, other: float) -> float:
+    """The larger of two numbers; the other one where one is nan."""
+    return other if math.isnan(one) or other > one else one
 
 
 def _largest(values: MomentSummary) -> float:

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From a session to figures: one row per command, RCM error, tension, loops."""
+"""From a session to figures: one row per command, RCM error, loops."""
 
 from __future__ import annotations
 
 import math
 import re
+from bisect import bisect_left, bisect_right
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
@@ -22,8 +23,11 @@ from session_log.report.session.session_data import (
 STOP = "stop"
 VOICE = "voice"  # by which a command was given
 SHUTDOWN = "shutdown"  # reason code of rst_control/ReasonCode
+DEVICES = "devices"  # what answers a call to a device, which is no node of the controller
+FAILED = "failed"  # outcome of a call to a device; the controller refused nothing
 ANSWERS = ("accepted", "refused", "stop_received")
 CLOCK_SLACK = 0.02  # [s] an answer may be stamped this much before the decision it answers
+SAME_STOP = 10 * CLOCK_SLACK  # [s] within which one stop comes by service and by topic
 
 
 @dataclass(frozen=True)
@@ -33,7 +37,7 @@ class CommandRow:
     command: str
     heard: RecordedUtterance | None  # None: given by service or topic, not spoken
     answered: float | None  # [s] accepted, refused or stop received
-    outcome: str  # accepted, refused, or "no answer"
+    outcome: str  # accepted, refused by the controller, failed at a device, or "no answer"
     message: str  # the controller's words
     action: float | None  # [s] the robot began to do it
     caller: str = ""  # node that asked; older recordings have none
@@ -111,36 +115,27 @@ def statistics(values: Iterable[float] | Track) -> Statistics:
 
 def command_rows(data: SessionData, config: ReportConfig) -> list[CommandRow]:
     """Join what was heard with what the controller answered and did, in order of time."""
-    answers = sorted(filter(_is_answer, data.events + data.device_calls), key=lambda e: e.time)
-    rows = []
+    answers = _ByTime(filter(_is_answer, data.events + data.device_calls))
+    log, taken, rows = _ControllerLog(data, config), set[RecordedEvent](), []
     for heard in sorted((h for h in data.heard if h.command), key=lambda h: h.decision):
-        mine = _answers_to(heard, answers, data.phrases, config.match_window)
-        answers = [a for a in answers if a not in mine]
-        rows.append(_row(data, config, heard.command, heard, mine))
-    while answers:
-        first = answers[0]
-        mine = [a for a in answers if a is first or _belongs(first, a)]
-        answers = [a for a in answers if a not in mine]
-        rows.append(_row(data, config, _command_of(first), None, mine))
+        since = min(heard.speech_start, heard.decision - CLOCK_SLACK)
+        near = answers.between(since, heard.decision + config.match_window)
+        mine = _answers_to(heard, [a for a in near if a not in taken], data.phrases)
+        taken.update(mine)
+        rows.append(_row(log, heard.command, heard, mine))
+    for first in answers.events:
+        if first not in taken:
+            taken.add(first)
+            near = answers.between(first.time, first.time + SAME_STOP)
+            mine = [first, *(a for a in near if a not in taken and _belongs(first, a))]
+            taken.update(mine)
+            rows.append(_row(log, _command_of(first), None, mine))
     return sorted(rows, key=lambda row: row.time)
 
 
 def rcm_while_moving(data: SessionData) -> Track:
     """RCM error by the controller while the robot moves [m]; nan while outside. Shape (n,)."""
     return data.controller["rcm_error"][data.controller["moving"] > 0]
-
-
-def tension_with_target(data: SessionData) -> Track:
-    """Tension while there is a target [N]. Shape (n,)."""
-    table = data.controller
-    return table["tension"][table["target"] > 0]
-
-
-def tension_error(data: SessionData) -> Track:
-    """Distance of the tension from its target at rest with tissue under tension [N]. Shape (n,)."""
-    table = data.controller
-    at_rest = (table["target"] > 0) & (table["moving"] == 0)
-    return np.abs(table["tension"] - table["target"])[at_rest]
 
 
 def loop_timing(loop: Intervals, late_factor: float) -> LoopTiming:
@@ -151,12 +146,58 @@ def loop_timing(loop: Intervals, late_factor: float) -> LoopTiming:
     return LoopTiming(loop.topic, period, late)
 
 
+class _ByTime:
+    """Events in order of time."""
+
+    def __init__(self, events: Iterable[RecordedEvent]) -> None:
+        self.events = sorted(events, key=lambda e: e.time)
+        self._times = [e.time for e in self.events]
+
+    def between(self, first: float, last: float) -> list[RecordedEvent]:
+        """Those from one time to another [s], both included."""
+        return self.events[bisect_left(self._times, first) : bisect_right(self._times, last)]
+
+
+class _ControllerLog:
+    """What the robot did after a command was accepted."""
+
+    def __init__(self, data: SessionData, config: ReportConfig) -> None:
+        self._events, self._window = _ByTime(data.events), config.motion_window
+        self._moved = {e.command for e in data.events if e.kind == "motion_started"}
+        self._moving = sorted((s.start, s.end) for s in data.states if s.word == "moving")
+
+    def action(self, command: str, accepted: float) -> float | None:
+        """When the robot began to do it: motion started, braking began, or the state changed.
+
+        Commands without motion of their own act when they are accepted; so do those that only
+        move the target of a motion in progress.
+        """
+        if command not in self._moved:
+            return accepted
+        for event in self._events.between(accepted, accepted + self._window):
+            if event.kind == "motion_started" and event.command == command:
+                return event.time
+            if event.kind in ANSWERS and event.time > accepted and _command_of(event) != command:
+                break
+        return accepted if self._is_moving(accepted) else None
+
+    def _is_moving(self, time: float) -> bool:
+        before = bisect_right(self._moving, (time, math.inf))
+        return before > 0 and time < self._moving[before - 1][1]
+
+
 def _answers_to(
-    heard: RecordedUtterance, answers: list[RecordedEvent], phrases: Collection[str], window: float
+    heard: RecordedUtterance, answers: list[RecordedEvent], phrases: Collection[str]
 ) -> list[RecordedEvent]:
-    """Answers to the words of a phrase; one that is called otherwise is known by who called."""
-    since, until = heard.decision - CLOCK_SLACK, heard.decision + window
-    candidates = [a for a in answers if since <= a.time <= until]
+    """Answers to the words of a phrase; one that is called otherwise is known by who called.
+
+    Args:
+        heard: The phrase.
+        answers: From its begin until they can no longer be about it, in order of time.
+        phrases: Every command that the recogniser knows.
+    """
+    since = heard.decision - CLOCK_SLACK
+    candidates = [a for a in answers if a.time >= since]
     called = (a for a in candidates if a.caller == heard.publisher and a.command not in phrases)
     named = (a for a in candidates if _command_of(a) == heard.command)
     first = next(named, next(called, None) if heard.publisher else None)
@@ -182,7 +223,7 @@ def _is_answer(event: RecordedEvent) -> bool:
 def _belongs(first: RecordedEvent, other: RecordedEvent) -> bool:
     """Whether two answers are about the same stop: it may come by service and by topic."""
     is_stop = _command_of(first) == _command_of(other) == STOP
-    return is_stop and abs(other.time - first.time) < 10 * CLOCK_SLACK
+    return is_stop and abs(other.time - first.time) < SAME_STOP
 
 
 def _command_of(event: RecordedEvent) -> str:
@@ -190,8 +231,7 @@ def _command_of(event: RecordedEvent) -> str:
 
 
 def _row(
-    data: SessionData,
-    config: ReportConfig,
+    log: _ControllerLog,
     command: str,
     heard: RecordedUtterance | None,
     answers: list[RecordedEvent],
@@ -199,30 +239,9 @@ def _row(
     if not answers:
         return CommandRow(command, heard, None, "no answer", "", None)
     first = answers[0]
-    refused = next((a for a in answers if a.kind == "refused"), None)
-    outcome = "refused" if refused else "accepted"
+    outcome = "accepted"
+    if refused := next((a for a in answers if a.kind == "refused"), None):
+        outcome = FAILED if refused.caller == DEVICES else "refused"
     message = next((a.message for a in answers if a.message), "")
-    action = None if refused else _action(data, config, _command_of(first), first.time)
+    action = None if refused else log.action(_command_of(first), first.time)
     return CommandRow(command, heard, first.time, outcome, message, action, first.caller)
-
-
-def _action(data: SessionData, config: ReportConfig, command: str, accepted: float) -> float | None:
-    """When the robot began to do it: motion started, braking began, or the state changed.
-
-    Commands without motion of their own act when they are accepted; so do those that only move
-    the target of a motion in progress.
-    """
-    later = (e for e in data.events if 0 <= e.time - accepted <= config.motion_window)
-    for event in later:
-        if event.kind == "motion_started" and event.command == command:
-            return event.time
-        if event.kind in ANSWERS and event.time > accepted and _command_of(event) != command:
-            break
-    moves = any(e.kind == "motion_started" and e.command == command for e in data.events)
-    if not moves or _is_moving(data, accepted):
-        return accepted
-    return None
-
-
-def _is_moving(data: SessionData, time: float) -> bool:
-    return any(s.start <= time < s.end and s.word == "moving" for s in data.states)

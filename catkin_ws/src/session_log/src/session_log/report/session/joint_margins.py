@@ -3,37 +3,74 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
 from xml.etree import ElementTree
 
+import numpy as np
+
+from session_log.report.session.kinematics import SLIDING
 from session_log.report.session.session_data import SessionData
 
-Limits = dict[str, tuple[float, float]]
+
+@dataclass(frozen=True)
+class JointLimit:
+    """How far a joint may go: [rad], or [m] of one that slides."""
+
+    low: float
+    high: float
+    is_sliding: bool
 
 
-def joint_limits(urdf: str) -> Limits:
-    """Lower and upper limit of each joint that has them [rad]; empty if the URDF is not one."""
+@dataclass(frozen=True)
+class JointMargin:
+    """Smallest distance of a joint to a limit over the session; negative is beyond it."""
+
+    value: float  # [rad], or [m] of one that slides
+    is_sliding: bool
+
+
+def joint_limits(urdf: str) -> dict[str, JointLimit]:
+    """Limits of each joint that has finite ones, by its name; empty if the URDF is not one."""
     try:
         joints = ElementTree.fromstring(urdf).iter("joint") if urdf else iter(())
         found = {}
         for joint in joints:
-            limit = joint.find("limit")
-            if limit is not None and joint.get("type") in ("revolute", "prismatic"):
-                name = joint.get("name", "")
-                found[name] = (float(limit.get("lower", 0.0)), float(limit.get("upper", 0.0)))
+            limit, kind = joint.find("limit"), joint.get("type")
+            if limit is None or kind not in ("revolute", *SLIDING):
+                continue
+            low, high = float(limit.get("lower", 0.0)), float(limit.get("upper", 0.0))
+            if math.isfinite(low) and math.isfinite(high):
+                found[joint.get("name", "")] = JointLimit(low, high, kind in SLIDING)
     except (ElementTree.ParseError, ValueError):
         return {}
     return found
 
 
-def joint_margins(data: SessionData) -> dict[str, float]:
-    """Smallest distance to a limit over the session, by joint [rad]; negative is beyond it."""
-    joints, limits = data.joints, joint_limits(data.urdf)
-    if joints is None or not len(joints):
+def joint_margins(data: SessionData) -> dict[str, JointMargin]:
+    """Margin of each joint that has limits and finite positions, by its name."""
+    if data.joints is None:
         return {}
     margins = {}
-    for name in joints.columns[1:]:
-        if name in limits:
-            low, high = limits[name]
-            q = joints[name]
-            margins[name] = float(min((q - low).min(), (high - q).min()))
+    for name, limit in joint_limits(data.urdf).items():
+        if name in data.joints.columns[1:]:
+            q = data.joints[name]
+            q = q[np.isfinite(q)]
+            if len(q):
+                nearest = min(float(q.min()) - limit.low, limit.high - float(q.max()))
+                margins[name] = JointMargin(nearest, limit.is_sliding)
     return margins
+
+
+def smallest_margin(data: SessionData) -> float:
+    """Smallest margin of the joints that turn [rad]; nan where there is none."""
+    turning = (m.value for m in joint_margins(data).values() if not m.is_sliding)
+    return min(turning, default=math.nan)
+
+
+def unknown_positions(data: SessionData) -> dict[str, int]:
+    """How many recorded positions of a joint are not finite, by its name; zeros are left out."""
+    if (joints := data.joints) is None:
+        return {}
+    counts = {n: int(np.count_nonzero(~np.isfinite(joints[n]))) for n in joints.columns[1:]}
+    return {name: count for name, count in counts.items() if count}

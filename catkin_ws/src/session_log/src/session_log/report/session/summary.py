@@ -18,12 +18,15 @@ from session_log.report.session.analysis import (
     loop_timing,
     rcm_while_moving,
     statistics,
+)
+from session_log.report.session.joint_margins import smallest_margin
+from session_log.report.session.session_data import SessionData, Track
+from session_log.report.session.shaft import JointRcm
+from session_log.report.session.tension import (
+    measured_tension,
     tension_error,
     tension_with_target,
 )
-from session_log.report.session.joint_margins import joint_margins
-from session_log.report.session.session_data import SessionData, Track
-from session_log.report.session.shaft import JointRcm
 from session_log.report.session.trials import PhraseTrial, trials
 
 
@@ -62,7 +65,7 @@ class GivenCommand:
     command: str
     decision_latency: float  # [s] after the end of speech; nan if not spoken
     reaction: float  # [s] from the end of speech, or the answer, to the action; nan: none
-    outcome: str  # accepted, refused or "no answer"
+    outcome: str  # as of CommandRow
     message: str
     is_partial: bool
     given_by: str = VOICE  # or a node, or "hand"
@@ -105,9 +108,10 @@ class SessionSummary:
     rcm_joints: MomentSummary  # [m] from joint states, while moving
     rcm_above: int  # samples of `rcm` above the limit
     rcm_joints_above: int
-    tension: float  # [N] largest with a target set; nan if there was none
+    tension: float  # [N] largest; nan if it was not measured
+    tension_with_target: float  # [N] largest while a target was set; nan if there was none
     tension_error: MomentSummary  # [N] from the target at rest
-    margin: float  # [rad] smallest to a joint limit; nan if unknown
+    margin: float  # [rad] smallest of a turning joint to its limit; nan if unknown
     loops: tuple[LoopTimes, ...]
     transcripts: tuple[str, ...]  # each once
 
@@ -117,7 +121,7 @@ def summarise(
 ) -> SessionSummary:
     """Reduce a session."""
     recording, condition = data.recording, data.recording.condition
-    moving, pulled = rcm_while_moving(data), tension_with_target(data)
+    moving, tension = rcm_while_moving(data), measured_tension(data, config.topics.tension)
     return SessionSummary(
         name=name,
         started=recording.start * 1e-9,
@@ -133,9 +137,10 @@ def summarise(
         rcm_joints=moments(rcm.while_moving),
         rcm_above=int(np.count_nonzero(moving > config.rcm_limit)),
         rcm_joints_above=int(np.count_nonzero(rcm.while_moving > config.rcm_limit)),
-        tension=statistics(pulled).largest,
+        tension=statistics(tension["tension"]).largest,
+        tension_with_target=statistics(tension_with_target(data)).largest,
         tension_error=moments(tension_error(data)),
-        margin=min(joint_margins(data).values(), default=math.nan),
+        margin=smallest_margin(data),
         loops=_loops(data, config),
         transcripts=tuple(dict.fromkeys(heard.transcript for heard in data.heard)),
     )

@@ -45,6 +45,7 @@ def sessions_table(pool: Pool, folder: Path) -> TextTable:
         tuple("" if member.is_complete else "warning" for member in members),
         tuple(_link(member.page, folder) for member in members),
         tuple(range(2, len(COLUMNS))),
+        is_compact=True,  # its place scrolls sideways
         words=tuple(_words(member) for member in members),
     )
 
@@ -59,7 +60,7 @@ def _row(member: PooledSession) -> tuple[str, ...]:
     began = f"{datetime.fromtimestamp(member.started):%Y-%m-%d %H:%M}" if member.started else NONE
     margin = f"{math.degrees(member.margin):.1f}°" if math.isfinite(member.margin) else NONE
     return (
-        member.name,
+        member.name if member.is_complete else f"{member.name} (incomplete)",
         began,
         duration_words(member.duration),
         f"{member.right}/{member.said}" if member.said else NONE,

@@ -118,9 +118,9 @@ def _tables(pool: Pool) -> list[_Titled]:
             f"brackets, beside {paper.source} ({paper.hardware})."
         )
         found.append(_Titled("latency", text, pool_tables.latency_table(pool)))
-    if pool.rcm.count or pool.rcm_joints.count or pool.tension_error.count:
+    if (motion := pool_tables.motion_table(pool)).rows:
         text = "Error of the remote centre of motion (RCM) and tissue tension."
-        found.append(_Titled("motion", text, pool_tables.motion_table(pool)))
+        found.append(_Titled("motion", text, motion))
     return found
 
 

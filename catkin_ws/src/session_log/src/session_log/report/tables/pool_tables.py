@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from session_log.report.bounds import Bounded, proportion, quantile
 from session_log.report.pool.pool import Pool
@@ -83,9 +84,13 @@ def latency_table(pool: Pool) -> TextTable:
     return TextTable(columns, rows, marks, numbers=tuple(range(1, 7)))
 
 
-def refusals_table(pool: Pool) -> TextTable:
-    """How often which command was refused, and why."""
-    counted = sorted(pool.refusals.items(), key=lambda item: (-item[1], item[0]))
+def reasons_table(counts: Mapping[tuple[str, str], int]) -> TextTable:
+    """How often which command was refused or failed, and why.
+
+    Args:
+        counts: By command and reason.
+    """
+    counted = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
     rows = [(command, reason, str(count)) for (command, reason), count in counted]
     return TextTable(("command", "why", "times"), rows, numbers=(2,))
 
@@ -129,8 +134,11 @@ def motion_table(pool: Pool) -> TextTable:
             largest = length(error.largest)
             beyond = f"{above} of {error.count} samples above {length(limit)}"
             rows.append((name, length(error.rms), largest, beyond))
-    if math.isfinite(pool.tension):
-        rows.append(("tension with a target set", NONE, newtons(pool.tension), NONE))
+    largest_tensions = (
+        ("tension", pool.tension),
+        ("tension with a target set", pool.tension_with_target),
+    )
+    rows += [(n, NONE, newtons(t), NONE) for n, t in largest_tensions if math.isfinite(t)]
     if pool.tension_error.count:
         error = pool.tension_error
         samples = f"{error.count} samples"

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from session_log.report.figures import SessionMaterial
 from session_log.report.notes import Note
-from session_log.report.session.analysis import CommandRow
+from session_log.report.session.analysis import FAILED, CommandRow
 from session_log.report.session.session_data import RecordedUtterance
 from session_log.report.session.stops import UNREPORTED, RecordedStop
 from session_log.report.tables.text_table import NONE, TextTable, seconds, size_words
@@ -30,6 +30,7 @@ def commands_table(material: SessionMaterial) -> TextTable:
         tuple(mark for _, _, mark, _ in entries),
         times=tuple(time for time, _, _, _ in entries),
         sounds=tuple(sounds.get(heard, b"") if heard else b"" for _, _, _, heard in entries),
+        transcripts=tuple(heard.transcript if heard else "" for _, _, _, heard in entries),
     )
 
 
@@ -40,8 +41,8 @@ def notes_table(notes: Sequence[Note]) -> TextTable:
     return TextTable(("time", "note"), rows, is_compact=True)
 
 
-def refused_table(material: SessionMaterial) -> TextTable:
-    """List what was refused, by whom it was asked for, and the controller's words."""
+def reasons_table(material: SessionMaterial, outcome: str) -> TextTable:
+    """List the commands of an outcome, by whom each was asked for, and the words of the answer."""
     rows = [
         (
             f"{row.time:.1f}\u00a0s",
@@ -50,7 +51,7 @@ def refused_table(material: SessionMaterial) -> TextTable:
             row.message or "no reason given",
         )
         for row in material.rows
-        if row.outcome == "refused"
+        if row.outcome == outcome
     ]
     return TextTable(("time", "command", "asked for by", "why"), rows)
 
@@ -124,4 +125,4 @@ def _wer(heard: RecordedUtterance) -> str:
 
 
 def _mark(row: CommandRow) -> str:
-    return {"refused": "bad", "no answer": "warning"}.get(row.outcome, "")
+    return {"refused": "bad", FAILED: "bad", "no answer": "warning"}.get(row.outcome, "")

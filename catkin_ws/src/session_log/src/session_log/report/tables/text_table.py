@@ -22,6 +22,7 @@ class TableLine:
     link: str
     time: float | None
     sound: bytes
+    transcript: str
     words: str
 
 
@@ -34,9 +35,10 @@ class TextTable:
     marks: tuple[str, ...] = ()
     links: tuple[str, ...] = ()  # address behind the first cell of each row; empty: none
     numbers: tuple[int, ...] = ()  # columns that hold numbers
-    is_compact: bool = False  # fits a phone as it is; others become cards there
+    is_compact: bool = False  # stays a table on a phone; others become cards there
     times: tuple[float, ...] = ()  # [s] of each row, on the time axis of the page
     sounds: tuple[bytes, ...] = ()  # MP3 of each row; empty: none
+    transcripts: tuple[str, ...] = ()  # of each sound
     words: tuple[str, ...] = ()  # what each row is found by, beside its cells
     NONE: ClassVar[str] = NONE  # a cell without a value
 
@@ -49,6 +51,7 @@ class TextTable:
                 link=self.links[k] if self.links else "",
                 time=self.times[k] if self.times else None,
                 sound=self.sounds[k] if self.sounds else b"",
+                transcript=self.transcripts[k] if self.transcripts else "",
                 words=self.words[k] if self.words else "",
             )
 

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The page for people who do not see it, or have no pointer, or a small screen."""
+
+import asyncio
+import re
+
+import pytest
+
+from session_log.report.page import Image, Section, page
+from session_log.report.tables.text_table import TextTable
+from support.browser import MISSING, Browser, find_browser
+
+COMMANDS = TextTable(
+    ("time", "heard", "command"),
+    [("2.0\u00a0s", "“tense”", "tense"), ("60.0\u00a0s", "“stop”", "stop")],
+    times=(2.0, 60.0),
+    sounds=(b"x", b"x"),
+    transcripts=("tense", "stop <now>"),
+)
+SESSIONS = TextTable(
+    tuple(f"column {k}" for k in range(12)),
+    [tuple(f"cell {k} of twelve" for k in range(12))],
+    is_compact=True,
+)
+ZOOM = {
+    "duration": 100.0,
+    "marks": [(2.0, "tense", "#1f2933"), (60.0, "stop", "#1f2933")],
+    "speech": [],
+    "bands": [{"name": "robot", "spans": [(0.0, 100.0, "active", "#bfe3d6")]}],
+    "curves": [
+        {"name": "tension [N]", "time": [0.0, 1.0, 2.0, 3.0], "value": [1.0, None, 0.5, 3.0]}
+    ],
+}
+SHOWN = "document.querySelector('canvas').getAttribute('aria-valuetext')"
+FOCUS = "document.activeElement"
+
+
+def text_of():
+    image = Image("Timeline", "12 utterances, 2 refused.", b"wide", b"narrow")
+    sections = [
+        Section("Timeline", image=image, zoom=ZOOM),
+        Section("Commands", table=COMMANDS),
+        Section("Sessions", table=SESSIONS, search="search words"),
+    ]
+    return page("Session", "", "", {}, sections)
+
+
+def test_every_control_and_picture_has_a_name_of_its_own():
+    text = text_of()
+    assert re.findall(r'class="hear"[^>]*aria-label="([^"]*)"', text) == [
+        "hear “tense” at 2.0\u00a0s",
+        "hear “stop &lt;now&gt;” at 60.0\u00a0s",
+    ]
+    assert re.findall(r'alt="([^"]*)"', text) == ["12 utterances, 2 refused."]
+    assert text.count("<th ") == text.count('<th scope="col"') == 15
+    assert re.search(r'<canvas tabindex="0" role="\w+" aria-label="time axis', text)
+
+
+async def press(browser, key):
+    for kind in ("keyDown", "keyUp"):
+        await browser.send("Input.dispatchKeyEvent", type=kind, key=key)
+
+
+async def by_keyboard(url):
+    """Go over the time axis, to a row and back; what was shown after each key."""
+    async with Browser() as browser:
+        await browser.open(url)
+        found = [await browser.evaluate(SHOWN)]
+        await browser.evaluate("document.querySelector('canvas').focus()")
+        for key in ("+", "ArrowRight", "ArrowLeft", "-", "Enter"):
+            await press(browser, key)
+            found.append(await browser.evaluate(SHOWN))
+        found.append(await browser.evaluate(f"{FOCUS}.matches('tr button') && {FOCUS}.innerText"))
+        await browser.evaluate(f"{FOCUS}.click()")
+        found += [await browser.evaluate(SHOWN), await browser.evaluate(f"{FOCUS}.tagName")]
+        return found, browser.errors
+
+
+@pytest.mark.skipif(not find_browser(), reason=MISSING)
+def test_the_time_axis_goes_by_keys_to_a_row_and_back(tmp_path):
+    (tmp_path / "report.html").write_text(text_of(), "utf-8")
+    found, errors = asyncio.run(by_keyboard((tmp_path / "report.html").as_uri()))
+    assert not errors
+    assert found == [
+        "0.0 to 100.0 seconds",
+        "25.0 to 75.0 seconds",
+        "30.0 to 80.0 seconds",
+        "25.0 to 75.0 seconds",
+        "0.0 to 100.0 seconds",
+        "0.0 to 100.0 seconds",
+        "60.0\u00a0s",
+        "55.0 to 65.0 seconds",
+        "CANVAS",
+    ]
+
+
+async def on_a_phone(url):
+    """Widths of the page and of the table of sessions, and how many of its cells are shown."""
+    async with Browser() as browser:
+        await browser.open(url, 390, 844)
+        await browser.evaluate("document.querySelectorAll('details').forEach((d) => d.open = true)")
+        return await browser.evaluate("""[
+            document.documentElement.scrollWidth,
+            document.querySelector('.wide').scrollWidth,
+            [...document.querySelectorAll('.wide td')].filter((e) => e.offsetWidth > 20).length]""")
+
+
+@pytest.mark.skipif(not find_browser(), reason=MISSING)
+def test_on_a_phone_the_table_of_sessions_scrolls_and_hides_no_column(tmp_path):
+    (tmp_path / "report.html").write_text(text_of(), "utf-8")
+    page_width, table_width, cells = asyncio.run(on_a_phone((tmp_path / "report.html").as_uri()))
+    assert page_width <= 390 and table_width > 700 and cells == 12
