@@ -152,7 +152,8 @@ def test_training_steps_lower_the_loss():
 def test_a_broken_off_run_goes_on_where_it_stood(model, tmp_path):
     optimiser = torch.optim.AdamW(model.parameters(), 1e-3)
     average = Average(model)
-    save_progress(tmp_path / "p.pt", model, optimiser, average, Progress(5, 2, 9.0, 0.4))
+    progress = Progress(5, 2, 9.0, 0.4)
+    save_progress(tmp_path / "p.pt", model, optimiser, average, progress, {})
     other = WhisperCtc(SMALL)
     restored = load_progress(
         tmp_path / "p.pt", other, torch.optim.AdamW(other.parameters()), Average(other)

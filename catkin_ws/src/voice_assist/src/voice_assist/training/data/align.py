@@ -15,6 +15,7 @@ from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.mel import SAMPLES_PER_STATE, log_mel
 from voice_assist.recognizer.vocabulary import encode
 from voice_assist.training.array_file import write_arrays
+from voice_assist.training.cache_key import keyed
 from voice_assist.training.data.mixture import Aligned, WordTime
 from voice_assist.training.data.synthesis import TrainingClip
 from voice_assist.training.precision import cheap_numbers
@@ -32,8 +33,10 @@ def align_clips(model: WhisperCtc, clips: Sequence[TrainingClip], cache: Path) -
     Args:
         model: Trained far enough to follow the text.
         clips: With text, of any length.
-        cache: File for the times; read where it exists.
+        cache: File for the times, whose name gets a key of the clips; read where it exists.
+            Not of the model: a run that goes on keeps the times that its stage began with.
     """
+    cache = keyed(cache, clips)
     if cache.exists():
         with np.load(cache) as stored:
             times = [stored[f"t{index}"] for index in range(len(clips))]

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from voice_assist.audio.sound_file import read_sound
+from voice_assist.training.cache_key import keyed
 from voice_assist.training.data.synthesis import TrainingClip, read_sounds, save_sounds
 from voice_assist.training.data.texts import normalise_text
 
@@ -54,7 +55,7 @@ def load_speech(
     Args:
         rows: Lines of the manifest.
         split: "train", "dev" or "false_accept_dev".
-        cache: Folder for the decoded sound; read where it is there.
+        cache: Folder for the decoded sound; read where that of these very files is there.
         longest: Longer files are left out [s].
     """
     wanted = [
@@ -67,7 +68,7 @@ def load_speech(
     ]
     if not wanted:
         return []
-    path = cache / f"{split}_{len(wanted)}.npz"
+    path = keyed(cache / f"{split}.npz", stamped(wanted))
     if not path.exists():
         cache.mkdir(parents=True, exist_ok=True)
         with ThreadPoolExecutor(2) as pool:
@@ -77,6 +78,11 @@ def load_speech(
         TrainingClip(sound, normalise_text(row.transcript), _kind(row), row.speaker or row.source)
         for row, sound in zip(wanted, sounds, strict=True)
     ]
+
+
+def stamped(rows: Sequence[ManifestRow]) -> list[tuple[ManifestRow, int, int]]:
+    """Rows with size [B] and time of change [ns] of their files, to tell others from these."""
+    return [(row, *_stamp(row.path)) for row in rows]
 
 
 def load_sounds(rows: Sequence[ManifestRow], kind: RowKind) -> list[np.ndarray]:
@@ -92,6 +98,15 @@ def read_int16(path: Path) -> np.ndarray:
         AudioError: The file cannot be read to its end.
     """
     return np.round(np.clip(read_sound(path), -1, 1) * 32767).astype(np.int16)
+
+
+def _stamp(path: Path) -> tuple[int, int]:
+    """Nothing of a file that is not there: who reads it says so."""
+    try:
+        found = path.stat()
+    except OSError:
+        return 0, 0
+    return found.st_size, found.st_mtime_ns
 
 
 def _kind(row: ManifestRow) -> str:

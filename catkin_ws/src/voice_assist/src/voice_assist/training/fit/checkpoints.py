@@ -3,16 +3,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import torch
 from torch import Tensor
 
+from voice_assist.errors import ModelError
 from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.safe_weights import write_weights
+from voice_assist.training.cache_key import differences
 
 AVERAGE_DECAY = 0.998
+_ASKED = "asked"
 
 
 @dataclass
@@ -23,6 +27,7 @@ class Progress:
     pool: int = 0  # next pool of batches
     seconds: float = 0.0  # spent training so far
     best: float = -1e9  # best score measured so far
+    best_step: int = 0  # that it was measured at; 0: none yet
 
 
 class Average:
@@ -46,15 +51,44 @@ def save_progress(
     optimiser: torch.optim.Optimizer,
     average: Average,
     progress: Progress,
+    asked: Mapping[str, object],
 ) -> None:
-    """Write everything that going on needs; a crash leaves the old file."""
+    """Write everything that going on needs; a crash leaves the old file.
+
+    Args:
+        path: File to write.
+        model: As it is now.
+        optimiser: Its optimiser.
+        average: Its running mean.
+        progress: How far it has come.
+        asked: Options of the run, by which it is known again.
+    """
     state = {
         "model": model.state_dict(),
         "optimiser": optimiser.state_dict(),
         "average": average.weights,
         "progress": vars(progress),
+        _ASKED: dict(asked),
     }
     write_weights(state, path)
+
+
+def check_same_run(path: Path, asked: Mapping[str, object]) -> None:
+    """Refuse to go on with what another run left.
+
+    Args:
+        path: What save_progress wrote; where it is absent, the run begins.
+        asked: Options of the run now.
+
+    Raises:
+        ModelError: It was another run; the file stays.
+    """
+    if not path.exists():
+        return
+    state = torch.load(path, map_location="cpu", weights_only=True, mmap=True)
+    if differs := differences(state.get(_ASKED), asked):
+        allowed = "allowed: the same ones, another name for --out, or to remove that folder"
+        raise ModelError(f"{path.parent} holds a run with {differs}; {allowed}")
 
 
 def load_progress(

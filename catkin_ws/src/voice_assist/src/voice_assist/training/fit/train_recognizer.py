@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import json
 import logging
+import shutil
 import sys
 import time
 from dataclasses import dataclass
@@ -27,7 +28,12 @@ from voice_assist.training.data.batches import Batch, Batches
 from voice_assist.training.data.corpus import Corpus, load_corpus
 from voice_assist.training.data.mixture import RARE, Aligned, Mixture
 from voice_assist.training.data.synthesis import SynthesisAmounts, TrainingClip
-from voice_assist.training.fit.checkpoints import Average, load_progress, save_progress
+from voice_assist.training.fit.checkpoints import (
+    Average,
+    check_same_run,
+    load_progress,
+    save_progress,
+)
 from voice_assist.training.fit.curriculum import LESSONS, stage_of
 from voice_assist.training.fit.export import export
 from voice_assist.training.fit.objective import joint_loss
@@ -43,6 +49,8 @@ MORE = {  # clips that a lesson asks for beyond the usual ones
     "amounts": {"twin": 8000, "beginning": 4000, "amount": 4000},
 }
 WITH_KOKORO = ("voices", "beginnings", "amounts")  # lessons that Kokoro's voices take part in
+# Options that make it another run; --steps may grow, and the rest is where and how fast it runs.
+_OF_A_RUN = ("lesson", "held", "share", "seed", "batch", "rate", "decay")
 LOG = logging.getLogger("fit")
 
 
@@ -68,7 +76,7 @@ class TrainingRun:
     def __init__(self, options: argparse.Namespace, corpus: Corpus) -> None:
         """Build the model, or restore it where the run was broken off."""
         torch.manual_seed(options.seed)
-        self.options, self.corpus = options, corpus
+        self.options, self.corpus, self.asked = options, corpus, asked_of_a_run(options)
         start = start_from(options.start, options.lesson) if options.start else start_anew()
         self.model, self.stages = start.model.to(options.device), start.stages
         hold_lower(self.model, options.held)
@@ -80,9 +88,10 @@ class TrainingRun:
             fused=True,
         )
         self.average = Average(self.model)
-        self.folder: Path = options.cache / f"run_{options.out.stem}"  # each run of its own
+        path = progress_file(options)
+        self.folder = path.parent
         self.folder.mkdir(parents=True, exist_ok=True)
-        path = self.folder / "progress.pt"
+        check_same_run(path, self.asked)
         self.progress = load_progress(path, self.model, self.optimiser, self.average)
         self.measured = WhisperCtc(self.model.dims).eval()
 
@@ -105,6 +114,21 @@ class TrainingRun:
                 self.options.workers,
             )
             self._stage(batches, min(stage.until, self.options.steps))
+        if not self.options.out.exists():
+            self._write_best()
+
+    def _write_best(self) -> None:
+        """Make the output of a run that is over; it was removed, or is wanted elsewhere."""
+        if not self.progress.best_step:
+            self._measure()
+            return
+        temporary = self.options.out.with_suffix(".tmp")
+        shutil.copyfile(self._point(self.progress.best_step), temporary)
+        temporary.replace(self.options.out)
+
+    def _point(self, step: int) -> Path:
+        """File of a measured point."""
+        return self.folder / f"step_{step:05d}.pt"
 
     def _stage(self, batches: Batches, until: int) -> None:
         """Train until a step; a stage starts a pool of its own."""
@@ -156,9 +180,9 @@ class TrainingRun:
         LOG.info("measured %s", json.dumps(line))
         with (self.folder / "figures.jsonl").open("a") as file:
             file.write(json.dumps(line) + "\n")
-        export(self.measured, self.folder / f"step_{self.progress.step:05d}.pt")
+        export(self.measured, self._point(self.progress.step))
         if figures.score > self.progress.best:
-            self.progress.best = figures.score
+            self.progress.best, self.progress.best_step = figures.score, self.progress.step
             export(self.measured, self.options.out)
         self._save()
 
@@ -169,6 +193,7 @@ class TrainingRun:
             self.optimiser,
             self.average,
             self.progress,
+            self.asked,
         )
 
     def _word_times(self, stage: int) -> list[Aligned]:
@@ -177,6 +202,27 @@ class TrainingRun:
         aligned = align_clips(self._averaged(), _to_align(self.corpus.train), path)
         LOG.info("%d clips aligned", len(aligned))
         return aligned
+
+
+def progress_file(options: argparse.Namespace) -> Path:
+    """Where a run keeps how far it has come; its folder is named after the output."""
+    cache: Path = options.cache
+    return cache / f"run_{options.out.stem}" / "progress.pt"
+
+
+def asked_of_a_run(options: argparse.Namespace) -> dict[str, object]:
+    """The options by which a run is known again, and the digest of what it starts from.
+
+    Raises:
+        ModelError: The checkpoint to start from is missing or damaged.
+    """
+    start = "nothing"
+    if options.start:
+        path = find_checkpoint(options.start)
+        found = read_checkpoint(path).sha256[:12]  # the run itself replaces its output
+        start = "its own output" if path.resolve() == options.out.resolve() else found
+    speech = str(options.speech.resolve())
+    return {"from": start, "speech": speech, **{n: getattr(options, n) for n in _OF_A_RUN}}
 
 
 def hold_lower(model: WhisperCtc, blocks: int) -> None:
@@ -238,8 +284,7 @@ def main() -> None:
 def _run(options: argparse.Namespace) -> None:
     """Train, say how long it took, and leave the checkpoint in place."""
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
-    if options.start:
-        read_checkpoint(find_checkpoint(options.start))
+    check_same_run(progress_file(options), asked_of_a_run(options))
     check_writable(options.out)
     torch.set_num_threads(options.threads)
     said = SynthesisAmounts(**MORE.get(options.lesson, {})).part(options.share)

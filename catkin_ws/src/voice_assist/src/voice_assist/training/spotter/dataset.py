@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import logging
 import time
 from collections.abc import Callable, Iterator
@@ -17,12 +16,14 @@ from numpy.typing import NDArray
 
 from voice_assist.spotter.features import STEP, Embeddings, seconds
 from voice_assist.training.array_file import write_arrays
+from voice_assist.training.cache_key import keyed
 from voice_assist.training.data import texts, voices
 from voice_assist.training.data.human import (
     ManifestRow,
     load_sounds,
     load_speech,
     read_manifest,
+    stamped,
 )
 from voice_assist.training.data.noise import Surroundings, build_rooms
 from voice_assist.training.data.synthesis import TrainingClip, cast_voice, synthesise
@@ -137,7 +138,10 @@ def load_steps(speech: Path, cache: Path, seed: int, amounts: SpotterAmounts) ->
         seed: Of all chance.
         amounts: How much of each kind.
     """
-    paths = {kind: _path(cache, kind, seed, amounts) for kind in _KINDS}
+    rows = _thinned(read_manifest(speech), amounts.recorded)
+    heard = stamped([row for row in rows if row.split == "train"])
+    said = (NEAR, texts.TALK, texts.COMMANDS)
+    paths = {kind: keyed(cache / f"{kind}.npz", seed, amounts, heard, said) for kind in _KINDS}
     if not all(path.exists() for path in paths.values()):
         material = load_material(speech, cache, seed, amounts)
         for number, (kind, path) in enumerate(paths.items()):
@@ -165,11 +169,6 @@ def label(stream: LabelledStream, count: int, first: int) -> NDArray[np.int32]:
     for number, (_, end) in enumerate(stream.words, first):
         labels[(times >= end - _EARLY) & (times <= end + _LATE)] = number
     return labels
-
-
-def _path(cache: Path, kind: str, seed: int, amounts: SpotterAmounts) -> Path:
-    key = hashlib.sha256(repr((kind, seed, amounts)).encode()).hexdigest()[:12]
-    return cache / f"{kind}_{key}.npz"
 
 
 def _read(path: Path) -> Steps:

@@ -7,6 +7,7 @@ import argparse
 import logging
 import sys
 import time
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +30,7 @@ from voice_assist.spotter.overlap import (
     write_overlap,
 )
 from voice_assist.training.ahead import ahead
+from voice_assist.training.cache_key import differences, digest
 from voice_assist.training.data.kokoro import plan_words, spoken
 from voice_assist.training.fit.train_recognizer import REPOSITORY
 from voice_assist.training.precision import cheap_numbers
@@ -119,7 +121,8 @@ def train(material: OverlapMaterial, options: argparse.Namespace) -> tuple[Overl
     ]
     optimiser = torch.optim.AdamW(groups, weight_decay=0.01)
     progress = options.cache / f"progress_{options.seed}_{options.steps}_{options.batch}.pt"
-    done = _resume(progress, network, mean, optimiser)
+    asked = _asked(checkpoint.sha256, material, options)
+    done = _resume(progress, network, mean, optimiser, asked)
     began, sum_ = time.monotonic(), 0.0
     batches = ahead(lambda step: _batch(material, options, step), done + 1, options.workers)
     for step in range(done + 1, options.steps + 1):
@@ -137,7 +140,7 @@ def train(material: OverlapMaterial, options: argparse.Namespace) -> tuple[Overl
             LOG.info("step %d: %.4f, %.0f s", step, sum_ / 50, time.monotonic() - began)
             sum_ = 0.0
         if step % _SAVE_EVERY == 0:
-            _save(progress, step, network, mean, optimiser)
+            _save(progress, step, network, mean, optimiser, asked)
             write_overlap(mean, checkpoint.sha256, options.cache / f"step_{step:05d}.pt")
     return mean, checkpoint.sha256
 
@@ -155,25 +158,43 @@ def average(mean: OverlapNetwork, network: OverlapNetwork, step: int) -> None:
         weight.mul_(keep).add_(newest[name].detach(), alpha=1.0 - keep)
 
 
+def _asked(
+    encoder: str, material: OverlapMaterial, options: argparse.Namespace
+) -> dict[str, object]:
+    """All that the weights depend on, for the progress file."""
+    start = digest(options.start.read_bytes())[:12] if options.start else "nothing"
+    names = ("seed", "steps", "batch", "rate", "head_rate")
+    made_of = {"encoder": encoder[:12], "from": start, "material": digest(material)[:12]}
+    return {**made_of, **{name: getattr(options, name) for name in names}}
+
+
 def _save(
     path: Path,
     step: int,
     network: OverlapNetwork,
     mean: OverlapNetwork,
     optimiser: torch.optim.Optimizer,
+    asked: Mapping[str, object],
 ) -> None:
     """Write all that going on needs; a crash leaves the old file."""
-    own = {"network": network.own_state(), "mean": mean.own_state()}
+    own = {"network": network.own_state(), "mean": mean.own_state(), "asked": dict(asked)}
     write_weights({"step": step, "optimiser": optimiser.state_dict(), **own}, path)
 
 
 def _resume(
-    path: Path, network: OverlapNetwork, mean: OverlapNetwork, optimiser: torch.optim.Optimizer
+    path: Path,
+    network: OverlapNetwork,
+    mean: OverlapNetwork,
+    optimiser: torch.optim.Optimizer,
+    asked: Mapping[str, object],
 ) -> int:
-    """Go on where a run was broken off; gives the steps that are done."""
+    """Go on where the same run was broken off; gives the steps that are done."""
     if not path.exists():
         return 0
     state = torch.load(path, map_location="cpu", weights_only=True)
+    if differs := differences(state.get("asked"), asked):
+        LOG.info("begins anew: %s is of a run with %s", path, differs)
+        return 0
     network.load_state_dict(state["network"], strict=False)
     mean.load_state_dict(state["mean"], strict=False)
     optimiser.load_state_dict(state["optimiser"])

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import logging
 from collections.abc import Iterable, Iterator, Sequence
@@ -23,6 +22,8 @@ from voice_assist.recognizer.recognizer import Recognizer
 from voice_assist.spotter.fusion import StopEvidence, StopFusion
 from voice_assist.spotter.head import CONTEXT, read_head
 from voice_assist.spotter.spotter import Spotter
+from voice_assist.training.array_file import write_json
+from voice_assist.training.cache_key import digest, keyed
 from voice_assist.training.spotter.embed import LongEmbedder
 from voice_assist.types import FULL_SCALE, RATE, Mode, Samples
 from voice_assist.vad.detector import make_detector
@@ -107,18 +108,20 @@ class TrialRunner:
         Args:
             config: Its thresholds of the spotter have no effect.
             recognizer: The one to tune for.
-            cache: Folder for what was found, by the models' hashes.
+            cache: Folder for what was found, by the models, the settings and the clips.
             floor: Score of the spotter below which it believes nothing [nat].
         """
         spotter_config = replace(config.spotter, alone=NEVER)
-        self._spotter, digest = make_spotter(spotter_config)
+        self._spotter, spotter_sha256 = make_spotter(spotter_config)
         self._recorder = EvidenceRecorder(spotter_config, self._spotter, floor)
         self._pipeline = Pipeline(
             config, recognizer, make_detector(config.audio.vad), lambda: 0.0, self._recorder
         )
         self._head, self._embed = read_head()[0], LongEmbedder()
         self._cache, self._floor = cache, floor
-        self._key = f"{recognizer.model_hash} {digest} {floor} {EVIDENCE}"
+        no_threshold = replace(spotter_config, middle=NEVER, near=NEVER, agree=NEVER, sure=1.0)
+        settings = {**vars(config), "spotter": no_threshold}
+        self._key = digest(recognizer.model_hash, spotter_sha256, floor, EVIDENCE, settings)
 
     def __call__(
         self,
@@ -131,19 +134,16 @@ class TrialRunner:
         """Trials of a named set, from the cache where it was run before.
 
         Args:
-            name: Of the set, for the cache.
+            name: Of the set, in the name of its file.
             clips: Each with a name.
             noises: One of them is added to each clip.
             snr: Level of the clip over it [dB].
             thin: Of the clips in which the spotter believes nothing, of which only the recogniser
                 alone could make a stop, one in so many is run, and stands for the others.
         """
-        key = hashlib.sha256(f"{self._key} {name} {len(clips)} {thin}".encode()).hexdigest()[:16]
-        path = self._cache / f"{name}_{key}.json"
+        path = keyed(self._cache / f"{name}.json", self._key, clips, noises, snr, thin)
         if not path.is_file():
-            trials = [asdict(t) for t in self._run(clips, noises, snr, thin)]
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(json.dumps(trials), encoding="utf-8")
+            write_json(path, [asdict(t) for t in self._run(clips, noises, snr, thin)])
         return [_trial(entry) for entry in json.loads(path.read_text(encoding="utf-8"))]
 
     def _run(

@@ -11,7 +11,6 @@ import json
 import logging
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from itertools import chain
 from pathlib import Path
 from zlib import crc32
 
@@ -28,12 +27,14 @@ from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
 from voice_assist.recognizer.embedded import restore
 from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.verification import BLOCKS, PATH, write_verifier
+from voice_assist.training.cache_key import keyed
 from voice_assist.training.data import kokoro
 from voice_assist.training.data.human import (
     ManifestRow,
     load_sounds,
     load_speech,
     read_manifest,
+    stamped,
     training_sentences,
 )
 from voice_assist.training.data.neural_voices import plan_neural
@@ -82,10 +83,13 @@ def _run(options: argparse.Namespace) -> None:
     model = restore(aligner).eval()
     if options.aligner and not sees_the_same(model, restore(checkpoint)):
         raise ModelError(f"{options.aligner} and {options.recogniser} differ in their lower blocks")
-    key = f"{aligner.sha256[:12]}_{options.seed}"
-    kept = options.cache / "verifier" / f"examples_{key}.npz"
+    rows = read_manifest(options.speech)
+    said = [*_espeak(options), *_people(rows, options), *_kokoro(rows, options)]
+    around = stamped([row for row in rows if row.split == "train" and row.kind in ("noise", "rir")])
+    made_of = (aligner.sha256, options.seed, said, around)
+    kept = keyed(options.cache / "verifier" / "examples.npz", *made_of)
     if not kept.exists():
-        examples.save(list(_seen(model, options)), kept)
+        examples.save(list(_seen(model, said, rows, options.seed)), kept)
     weights = {}
     for phrase, some in examples.load(kept).items():
         weights[phrase], figures = train(some)
@@ -154,12 +158,16 @@ def _fit(
     return lambda given: given @ w + b
 
 
-def _seen(model: WhisperCtc, options: argparse.Namespace) -> Iterator[Seen]:
+_Clip = tuple[Int16, str, str]  # sound, the command that it says, its voice
+
+
+def _seen(
+    model: WhisperCtc, said: Sequence[_Clip], rows: Sequence[ManifestRow], seed: int
+) -> Iterator[Seen]:
     """What the verifier sees of each clip, varied."""
-    rows, rng = read_manifest(options.speech), np.random.default_rng(options.seed)
+    rng = np.random.default_rng(seed)
     rooms = build_rooms(load_sounds(rows, "rir"), rng)
     around = Surroundings(load_sounds(rows, "noise"), rooms, ())
-    said = chain(_espeak(options), _people(rows, options), _kokoro(rows, options))
     for number, (sound, command, voice) in enumerate(said):
         for _ in range(TAKES[bool(command)]):
             varied = examples.varied(sound, around, rng)
@@ -167,9 +175,6 @@ def _seen(model: WhisperCtc, options: argparse.Namespace) -> Iterator[Seen]:
                 yield Seen(phrase, seen, bool(command), voice)
         if number % 500 == 0:
             LOG.info("%d clips", number)
-
-
-_Clip = tuple[Int16, str, str]  # sound, the command that it says, its voice
 
 
 def _espeak(options: argparse.Namespace) -> Iterator[_Clip]:

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A run goes on with what the same run left, and with nothing else."""
+
+import logging
+import sys
+from functools import cache
+from itertools import repeat
+
+import numpy as np
+import pytest
+import torch
+from whisper.model import ModelDimensions
+
+from tests.unit.voice_assist.support.small_recognizer import SMALL
+from voice_assist.errors import ModelError
+from voice_assist.recognizer.checkpoint import Checkpoint
+from voice_assist.recognizer.whisper_shapes import whisper_shapes
+from voice_assist.spotter.overlap import write_overlap
+from voice_assist.training.data.noise import Surroundings, build_rooms
+from voice_assist.training.data.synthesis import TrainingClip
+from voice_assist.training.fit import start, train_recognizer
+from voice_assist.training.fit.export import export
+from voice_assist.training.fit.train_recognizer import TrainingRun
+from voice_assist.training.spotter import train_overlap
+from voice_assist.training.spotter.overlap_mixture import arrange
+
+DIMS = ModelDimensions(80, 512, 4, 2, 3, 51864, 64, 4, 2, 1)
+
+
+def options(tmp_path, *more, out="m.pt"):
+    places = ["--cache", str(tmp_path), "--out", str(tmp_path / out)]
+    return train_recognizer.parse([*places, "--steps", "1", *map(str, more)])
+
+
+@pytest.fixture
+def finished(tmp_path, monkeypatch):
+    """A run that is over, with two measured points, whose first was the better one."""
+    monkeypatch.setattr(start, "SMALL", SMALL)
+    run = TrainingRun(options(tmp_path), None)
+    run.progress.step, run.progress.best_step = 1, 1
+    export(run._averaged(), run.folder / "step_00001.pt")
+    (run.folder / "step_00002.pt").write_bytes(b"a worse one")
+    run._save()
+    return run
+
+
+def test_a_finished_run_whose_output_is_missing_writes_its_best_point(finished, tmp_path):
+    TrainingRun(options(tmp_path), None).train()
+    best = (finished.folder / "step_00001.pt").read_bytes()
+    assert (tmp_path / "m.pt").read_bytes() == best
+    (tmp_path / "m.pt").write_bytes(b"of the user")
+    TrainingRun(options(tmp_path), None).train()
+    assert (tmp_path / "m.pt").read_bytes() == b"of the user"
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (("--rate", 3e-4), "rate 0.0015 (now 0.0003)"),
+        (("--lesson", "twins", "--seed", 2), "lesson mending (now twins), seed 1 (now 2)"),
+        (("--from", "embedded"), "from nothing (now "),
+        (("--speech", "elsewhere"), "(now "),
+    ],
+)
+def test_another_run_of_the_same_name_is_refused_before_its_corpus_is_made(
+    finished, tmp_path, monkeypatch, capsys, more, said
+):
+    monkeypatch.setattr(train_recognizer, "load_corpus", lambda *_: pytest.fail("corpus made"))
+    words = ("--cache", tmp_path, "--out", tmp_path / "m.pt", *more)
+    monkeypatch.setattr(sys, "argv", ["train", *map(str, words)])
+    before = (finished.folder / "progress.pt").read_bytes()
+    with pytest.raises(SystemExit) as ended:
+        train_recognizer.main()
+    assert ended.value.code == 2
+    line = capsys.readouterr().err
+    assert line.count("\n") == 1
+    assert line.startswith(f"train_recognizer: {finished.folder} holds a run with ")
+    assert said in line
+    assert (finished.folder / "progress.pt").read_bytes() == before
+    with pytest.raises(ModelError):
+        TrainingRun(options(tmp_path, *more), None)
+
+
+def test_other_steps_another_machine_and_another_folder_go_on(finished, tmp_path):
+    more = ("--steps", 9, "--workers", 3, "--threads", 1, "--measure-every", 7)
+    run = TrainingRun(options(tmp_path, *more, out="other/m.pt"), None)
+    assert run.progress.step == 1
+
+
+def test_a_run_that_replaces_what_it_began_from_goes_on(finished, tmp_path):
+    more = ("--from", tmp_path / "own.pt")
+    for point in ("step_00001.pt", "step_00003.pt"):
+        export(finished._averaged(), finished.folder / point)
+        (tmp_path / "own.pt").write_bytes((finished.folder / point).read_bytes())
+        TrainingRun(options(tmp_path, *more, out="own.pt"), None)._save()
+        finished.average.weights["ctc.bias"] += 1.0
+
+
+def test_progress_of_an_earlier_version_is_refused(finished, tmp_path):
+    path = finished.folder / "progress.pt"
+    state = torch.load(path, weights_only=True)
+    del state["asked"]
+    torch.save(state, path)
+    with pytest.raises(ModelError, match="options that it does not say"):
+        TrainingRun(options(tmp_path), None)
+
+
+def tone(frequency, seconds=0.4):
+    time = np.arange(int(seconds * 16000)) / 16000
+    return (8000 * np.sin(2 * np.pi * frequency * time)).astype(np.int16)
+
+
+def material(frequency):
+    """People say the word at a pitch."""
+    said = [TrainingClip(tone(frequency), "stop", "word", "x")]
+    others = [TrainingClip(tone(f), text, "word", "x") for text, f in (("up", 3000), ("go", 2500))]
+    rooms = build_rooms((), np.random.default_rng(0), count=3)
+    return arrange(said, said, others, others, Surroundings((), rooms, (tone(200, 4.0),)))
+
+
+@cache
+def checkpoint(sha256):
+    draw = torch.Generator().manual_seed(0)
+    shapes = whisper_shapes(DIMS)
+    state = {name: 0.1 * torch.randn(shape, generator=draw) for name, shape in shapes.items()}
+    return Checkpoint(DIMS, state, None, sha256)
+
+
+@pytest.fixture
+def steps_of(tmp_path, monkeypatch):
+    """Trains the spotter over talk for two steps at most; gives how many it took."""
+    monkeypatch.setattr(train_overlap, "_SAVE_EVERY", 1)
+    monkeypatch.setattr(train_overlap, "ahead", lambda *_: repeat(None))
+    monkeypatch.setattr(train_overlap, "loss_of", lambda network, _: network.head[0].bias.sum())
+    taken = []
+    monkeypatch.setattr(train_overlap, "average", lambda *given: taken.append(given))
+
+    def run(more=(), recogniser="a" * 64, pitch=1000):
+        monkeypatch.setattr(train_overlap, "read_checkpoint", lambda _: checkpoint(recogniser))
+        words = ("--cache", tmp_path, "--steps", 2, "--batch", 2, *more)
+        taken.clear()
+        train_overlap.train(material(pitch), train_overlap.parse(list(map(str, words))))
+        return len(taken)
+
+    return run
+
+
+@pytest.mark.parametrize(
+    ("other", "said"),
+    [
+        ({"recogniser": "b" * 64}, "encoder aaaaaaaaaaaa (now bbbbbbbbbbbb)"),
+        ({"pitch": 900}, "material "),
+        ({"more": ("--rate", 3e-4)}, "rate 0.0001 (now 0.0003)"),
+        ({"more": ("--head-rate", 3e-4)}, "head_rate 0.001 (now 0.0003)"),
+    ],
+)
+def test_the_spotter_over_talk_begins_anew_where_something_else_is_asked_for(
+    steps_of, caplog, other, said
+):
+    caplog.set_level(logging.INFO)
+    assert steps_of() == 2
+    assert steps_of() == 0  # the same run is over
+    assert "begins anew" not in caplog.text
+    assert steps_of(**other) == 2
+    assert caplog.text.count("begins anew") == 1 and said in caplog.text
+
+
+def test_the_spotter_over_talk_begins_anew_from_another_file(steps_of, tmp_path, monkeypatch):
+    earlier = tmp_path / "earlier.pt"
+    network = train_overlap.untrained(checkpoint("a" * 64))
+    monkeypatch.setattr(train_overlap, "read_overlap", lambda *_: (network, ""))
+    write_overlap(network, "a" * 64, earlier)
+    more = ("--from", earlier)
+    assert [steps_of(), steps_of(more), steps_of(more)] == [2, 2, 0]
