@@ -12,6 +12,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -23,13 +24,14 @@ from rich.progress import track
 from typed_config import check_writable
 from voice_assist.assembly import make_pipeline, make_recognizer
 from voice_assist.config import VoiceConfig
-from voice_assist.errors import ManifestError
+from voice_assist.errors import ManifestError, VoiceError
 from voice_assist.evaluation.evaluator import (
     ClipOutcome,
     Evaluator,
     LabelledClip,
     read_manifest,
     read_noises,
+    said_once,
 )
 from voice_assist.evaluation.metrics import summarize, verdict
 from voice_assist.profile.profile import facts_of
@@ -56,10 +58,14 @@ def evaluate(config: VoiceConfig, job: Job) -> dict[str, Any]:
     Raises:
         ManifestError: The manifest, a clip, the noise or the place to write cannot be used.
         ModelError: The model is missing or damaged.
+        VoiceError: A process ended before its clips were done.
     """
     if (job.noise is None) != (job.snr_db is None):
         raise ManifestError("noise and its level belong together: give both NOISE=dir and SNR=dB")
+    config = said_once(config)
     clips = read_manifest(job.manifest, config.commands, job.mode)
+    if job.noise is not None:
+        read_noises(job.noise)  # refused here in one line, and not in every process
     for path in (job.out, job.details):
         if path is not None:
             _check_writable(path)
@@ -90,6 +96,9 @@ def _run(
             outcomes = pool.map(_one, clips, chunksize=4)
             signal.signal(signal.SIGINT, previous)
             yield from outcomes
+        except BrokenProcessPool as error:
+            words = f"one of {jobs} processes ended too early, as without memory; try JOBS=1"
+            raise VoiceError(words) from error
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
@@ -131,6 +140,7 @@ def _context(config: VoiceConfig, job: Job, jobs: int) -> dict[str, Any]:
         "mode": job.mode,
         "noise": str(job.noise) if job.noise else None,
         "snr_db": job.snr_db,
+        "said_twice": config.commands.said_twice,
         "noise_reduction": config.audio.denoise.mode,
         "end_of_speech": END_OF_SPEECH,
         "jobs": jobs,

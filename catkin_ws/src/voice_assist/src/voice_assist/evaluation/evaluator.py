@@ -13,7 +13,7 @@ import numpy as np
 from voice_assist.audio.mixing import add_noise, end_of_speech
 from voice_assist.audio.sound_file import check_sound, read_sound
 from voice_assist.audio.source import FRAME, Framer
-from voice_assist.config import CommandsConfig
+from voice_assist.config import CommandsConfig, VoiceConfig
 from voice_assist.errors import AudioError, ManifestError
 from voice_assist.intent.mapper import Mapper
 from voice_assist.pipeline.pipeline import Pipeline
@@ -192,6 +192,11 @@ class Evaluator:
         return np.asarray(stream, np.float32)
 
 
+def said_once(config: VoiceConfig) -> VoiceConfig:
+    """The settings with each motion taken at once, since a clip says it once."""
+    return replace(config, commands=replace(config.commands, said_twice=False))
+
+
 def read_manifest(
     path: str | Path, commands: CommandsConfig, mode: str = Mode.ACTIVE.value
 ) -> list[LabelledClip]:
@@ -200,16 +205,19 @@ def read_manifest(
     Args:
         path: CSV with the columns `path` (relative to the manifest) and `transcript`.
         commands: Tell which transcripts are commands.
-        mode: One of MODES; while the robot moves, a halt among other words is one, too.
+        mode: One of MODES. A command that does not count in it is none. While the robot moves, a
+            halt among other words is one, too.
 
     Raises:
         ManifestError: The file or a row of it cannot be used; all that is wrong is named.
     """
     path = Path(path)
+    counted = Mode.ACTIVE.value if mode == MOVING else mode
     phrases = {
         normalize(spelling): phrase
         for phrase, spellings in Mapper(commands).accepted().items()
         for spelling in spellings
+        if counted in commands.get(phrase).modes
     }
     halts = [c.phrase for c in commands.commands if c.is_halt] if mode == MOVING else []
     clips, problems = [], []

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import numpy as np
+import pytest
+
+from tests.unit.voice_assist.support.fake_speech import say
+from voice_assist.audio.mixing import add_noise, end_of_speech, speech_power
+from voice_assist.types import RATE
+
+
+def test_the_end_of_speech_is_found_by_level():
+    assert end_of_speech(say("stop", before=0.3, after=0.7)) == pytest.approx(0.52, abs=0.011)
+    noisy = say("stop", before=0.3, after=0.7)
+    noisy = noisy + 0.01 * np.random.default_rng(0).standard_normal(len(noisy))
+    assert end_of_speech(noisy.astype(np.float32)) == pytest.approx(0.52, abs=0.03)
+
+
+def test_a_soft_last_sound_of_a_clip_cut_close_belongs_to_the_speech():
+    sound = say("stop stop", before=0.0, after=0.0)
+    hiss = 0.02 * np.random.default_rng(0).standard_normal(2400).astype(np.float32)
+    assert end_of_speech(np.r_[sound, hiss]) == pytest.approx(len(sound) / RATE + 0.15, abs=0.011)
+
+
+def test_silence_ends_with_the_clip():
+    assert end_of_speech(np.zeros(RATE, np.float32)) == 1.0
+    assert end_of_speech(np.zeros(0, np.float32)) == 0.0
+    assert speech_power(np.zeros(RATE, np.float32)) == 0.0
+
+
+@pytest.mark.parametrize("snr_db", [20.0, 0.0])
+def test_noise_is_below_the_speech_by_its_ratio(snr_db):
+    rng = np.random.default_rng(0)
+    speech = say("stop stop stop", before=0.2, after=0.2)
+    stream = 0.1 * speech.astype(np.float64)
+    noise = rng.standard_normal(4000).astype(np.float32)
+    mixed = add_noise(stream, noise, 0.1 * speech, snr_db, rng)
+    added = np.square(mixed - stream).mean()
+    ratio = 10 * np.log10(speech_power(0.1 * speech) / added)
+    assert ratio == pytest.approx(snr_db, abs=0.5)
+
+
+def test_silent_noise_changes_nothing():
+    rng = np.random.default_rng(0)
+    stream = 0.1 * say("stop").astype(np.float64)
+    np.testing.assert_array_equal(
+        add_noise(stream, np.zeros(100, np.float32), say("stop"), 0.0, rng), stream
+    )
