@@ -20,6 +20,7 @@ from voice_assist.enrolment.self_check import SelfCheck, SelfCheckResult, wrong_
 from voice_assist.enrolment.takes.checks import TakeCheck
 from voice_assist.enrolment.voiceprint import put_voiceprint
 from voice_assist.errors import VoiceError
+from voice_assist.evaluation.evaluator import said_once
 from voice_assist.profile import model_file, thresholds
 from voice_assist.profile.active import PersonalRecognizer, with_spellings
 from voice_assist.profile.manifest import ACTIVE, RECORDING, REFUSED, to_bytes
@@ -86,9 +87,13 @@ def build(
 
 
 def _plain(voice: VoiceConfig) -> VoiceConfig:
-    """The settings without any profile and without the gate, which would ask for a voiceprint."""
+    """The settings without any profile and without the gate, which would ask for a voiceprint.
+
+    Each take says its command once, so none is asked for twice.
+    """
     nobody = replace(voice.profile, name=NOBODY, sha256="")
-    return replace(voice, profile=nobody, speaker=replace(voice.speaker, gate=OFF))
+    plain = replace(voice, profile=nobody, speaker=replace(voice.speaker, gate=OFF))
+    return said_once(plain)
 
 
 def _learn_more(
