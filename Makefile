@@ -6,6 +6,8 @@ SHELL := /bin/bash
 PY := .venv/bin/python
 # Packages under ~/.local would come before Debian's and ours
 export PYTHONNOUSERSITE := 1
+# Taken from make's command line alone: an environment has words of its own, such as gettext's LANGUAGE=en_GB:en
+$(foreach name,ARGS DEVICE GUI INPUT LANGUAGE MIC MODE MODEL OUT PREFIX ROBOT SESSION TARGET,$(if $(filter environment,$(origin $(name))),$(eval undefine $(name))))
 # ROS on loopback only; the workspace's packages on every path
 RUN := unset PYTHONPATH PYTHONHOME ROS_HOSTNAME ROS_NAMESPACE && . catkin_ws/devel/setup.sh && export ROS_IP=127.0.0.1 PATH="$(CURDIR)/.venv/bin:$$PATH" &&
 
@@ -158,4 +160,4 @@ lint: .setup/dev ## style, spelling, types, layers, the packages' manifests and 
 	    && catkin_lint --quiet --offline --strict -W2 catkin_ws/src
 
 clean: ## remove what setup and the tests made; sessions stay
-	rm -rf .setup .venv .cache/tests catkin_ws/build catkin_ws/devel .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .setup .venv .venv.old .venv.gone .cache/tests catkin_ws/build catkin_ws/devel .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -117,18 +117,30 @@ moved() {
     [ -f .venv/bin/pip ] && [ ! -L .venv ] && ! grep -qF -e "!$PWD/.venv/bin/" -e " $PWD/.venv/bin/" .venv/bin/pip
 }
 
+# put_back: where no new environment came about, as without network, the old one goes on serving.
+put_back() {
+    rm -f "${pins:-}"
+    [ -e .venv.old ] || return 0
+    rm -rf .venv
+    mv .venv.old .venv
+}
+
 python_packages() {
+    put_back # of a run that was killed
+    trap put_back EXIT
+    trap 'exit 130' INT TERM
     if moved || ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
         say "Python environment in .venv"
-        rm -rf .venv
+        if [ -e .venv ] || [ -L .venv ]; then mv .venv .venv.old; fi
         "$PYTHON" -m venv --system-site-packages .venv
     fi
     pins=$(mktemp)
-    trap 'rm -f "$pins"' EXIT
     locked "$1" $(sed -n 's/^-r //p' "$1") >"$pins"
     [ -s "$pins" ] || fail "docker/constraints.txt has no package of $1: .venv/bin/python docker/lock.py write"
     say "Python packages of $1: $(grep -c . "$pins")"
     .venv/bin/python -m pip install --progress-bar on --no-deps --require-hashes -r "$pins"
+    [ ! -e .venv.old ] || mv .venv.old .venv.gone # first, as removing it may be interrupted
+    rm -rf .venv.gone
 }
 
 # Public readers of recordings in JavaScript, for the tests that compare with them: into .setup/node, by their lock.

@@ -8,6 +8,8 @@ import subprocess
 from functools import cache
 from pathlib import Path
 
+from tests.support.checkout import needs_git
+
 ROOT = Path(__file__).resolve().parents[2]
 LINK = re.compile(r"\]\((?!\w+:)(?P<path>[^)#\s]*)(?:#(?P<anchor>[^)\s]+))?\)")
 FENCE = re.compile(r"^```.*?^```", re.DOTALL | re.MULTILINE)
@@ -55,12 +57,14 @@ def broken(name: str, text: str) -> list[str]:
     return found
 
 
+@needs_git
 def test_every_link_leads_somewhere():
     pages = tracked("*.md")
     assert len(pages) > 20
     assert not [link for name in pages for link in broken(name, (ROOT / name).read_text("utf-8"))]
 
 
+@needs_git
 def test_every_page_that_a_file_names_is_there():
     named = subprocess.run(
         ["git", "grep", "-hoE", r"\bdocs/[a-zA-Z0-9_/-]+\.md\b"],
@@ -80,6 +84,7 @@ def test_a_link_that_leads_nowhere_is_found():
     assert anchors("# A `b`, c\n# A `b`, c\n") == {"a-b-c", "a-b-c-1"}
 
 
+@needs_git
 def test_every_page_is_in_the_index():
     index = ROOT / "docs" / "index.md"
     listed = {(index.parent / m["path"]).resolve() for m in LINK.finditer(index.read_text("utf-8"))}

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The image's files: what they copy, call and launch is there. No container is started."""
 
+import ast
 import os
 import subprocess
 import xml.etree.ElementTree as ET
@@ -39,6 +40,22 @@ def test_what_the_image_copies_and_starts_is_there():
     copied = [line.split()[1:-1] for line in DOCKERFILE.splitlines() if line.startswith("COPY")]
     assert all((ROOT / name).exists() for names in copied for name in names)
     assert os.access(ROOT / "docker/entrypoint.sh", os.X_OK)
+
+
+def test_a_device_is_read_by_a_groups_number_since_the_image_lacks_the_hosts_groups():
+    groups = [group for s in COMPOSE["services"].values() for group in s.get("group_add", [])]
+    assert groups == ["${INPUT_GID:-65534}"]
+
+
+@pytest.mark.parametrize("file", ["docs/test_links.py", "unit/support/test_release.py"])
+def test_without_git_as_in_the_image_what_needs_it_is_skipped(file):
+    tree = ast.parse((ROOT / "tests" / file).read_text(encoding="utf-8"))
+    functions = {f.name: f for f in tree.body if isinstance(f, ast.FunctionDef)}
+    callers = [name for name, f in functions.items() if "'git'" in ast.unparse(f)]
+    callers += [n for n, f in functions.items() if any(f"{c}(" in ast.unparse(f) for c in callers)]
+    tests = {name for name in callers if name.startswith("test_")}
+    assert tests
+    assert all("@needs_git" in ast.unparse(functions[name]) for name in tests)
 
 
 @pytest.mark.parametrize(

@@ -26,6 +26,23 @@ def test_a_host_name_and_a_namespace_of_the_shell_reach_no_verb():
     assert "/none" not in found["PYTHONPATH"].split(":")
 
 
+NAMES = ("DEVICE", "GUI", "LANGUAGE", "MIC", "MODE", "MODEL", "OUT", "PREFIX", "ROBOT", "SESSION")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_a_verb_takes_is_read_from_the_command_line_alone(name):
+    words = ["make", "--no-print-directory", "--eval", f"shown: ; @echo $({name}) $${name}"]
+
+    def shown(*more):
+        given = {**PLAIN, name: "en_GB:en"}
+        line = [*words, "shown", *more]
+        done = subprocess.run(line, cwd=ROOT, env=given, capture_output=True, text=True, check=True)
+        return done.stdout.split()
+
+    assert shown() == []
+    assert shown(f"{name}=de") == ["de", "de"]
+
+
 def test_where_the_workspace_cannot_be_sourced_nothing_is_run(tmp_path):
     shutil.copy(ROOT / "Makefile", tmp_path)
     words = ["make", "--eval", "shown: ; @$(RUN) touch shown", "shown"]
@@ -135,6 +152,7 @@ def test_a_step_that_is_interrupted_is_taken_again(copy):
 
 
 VENV = """#!/bin/sh
+[ "$3" != install ] || [ ! -e no-network ] || exit 1
 [ "$2" = venv ] || exit 0
 mkdir -p .venv/bin
 echo "#!$PWD/.venv/bin/python3" >.venv/bin/pip
@@ -174,3 +192,17 @@ def test_set_up_removes_the_environment_of_another_folder(copy, packages, text):
     assert not kept.exists()
     assert pip.read_text(encoding="utf-8") == f"#!{copy}/.venv/bin/python3\n"
     assert steps(copy) == []
+
+
+def test_where_the_packages_cannot_be_fetched_the_old_environment_stays(copy, packages):
+    kept, pip = copy / ".venv/kept", copy / ".venv/bin/pip"
+    kept.touch()
+    pip.write_text(SHORT.format("/elsewhere"), encoding="utf-8")
+    (copy / "no-network").touch()
+    with pytest.raises(subprocess.CalledProcessError):
+        packages()
+    assert kept.exists() and "/elsewhere" in pip.read_text(encoding="utf-8")
+    assert not (copy / ".venv.old").exists()
+    (copy / "no-network").unlink()
+    packages()
+    assert not kept.exists() and not (copy / ".venv.old").exists()

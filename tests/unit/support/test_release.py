@@ -7,6 +7,7 @@ import subprocess
 import pytest
 
 from support.documents.release import ROOT, places, release, version
+from tests.support.checkout import needs_git
 
 
 def found(root):
@@ -51,6 +52,7 @@ def test_the_changelog_has_the_parts_of_its_form():
     }
 
 
+@needs_git
 def test_every_source_file_bears_its_licence():
     listed = subprocess.run(
         ["git", "ls-files", "*.py", "*.sh", "*.launch", "*.test"],
