@@ -171,7 +171,7 @@ class StopSession:
         if not received:
             return [JudgedStop("unknown", way, count, None, None, 0.0, UNSEEN)] * count
         rcm = self._rcm_error(received[0], received[-1] + WATCHED)
-        stops = []
+        stops: list[JudgedStop] = []
         for moment in received:
             late, objected = latency(course, moment), missed or objection(course, moment, ALLOWED)
             situation = "at rest" if late is None else "braking" if stops else "in motion"
