@@ -100,8 +100,7 @@ class _PedalSession:
                 self._press(self._plan.interrupt())
 
     def _press(self, planned: Planned) -> tuple[Happened | None, float]:
-        """Press and let go; keep what came of it."""
-        self._watch.intend(planned.command)
+        """Press and let go; keep what came of it. Nothing sounds, so no words are on record."""
         began = time.time()
         self._publish((COMMANDS.index(planned.command),))
         time.sleep(HELD)
