@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -50,13 +51,17 @@ def tension_settings(data: SessionData) -> Settings:
     Other nodes have settings of that name, too. Only those of the controller name a limit.
     """
     for text in data.recording.condition.latest("parameters").values():
-        try:
-            found = _settings_in(yaml.safe_load(text)) if "tension:" in text else {}
-        except yaml.YAMLError:
-            continue
-        if found:
+        if found := _settings_of(text):
             return found
     return {}
+
+
+@lru_cache(maxsize=8)  # figure, time axis and summary ask for the same text, which is long
+def _settings_of(text: str) -> Settings:
+    try:
+        return _settings_in(yaml.safe_load(text)) if "tension:" in text else {}
+    except yaml.YAMLError:
+        return {}
 
 
 def _settings_in(values: Any) -> Settings:
