@@ -13,6 +13,7 @@ import numpy as np
 
 from session_log.config import ReportConfig
 from session_log.report.session.session_data import (
+    DEVICES,
     Intervals,
     RecordedEvent,
     RecordedUtterance,
@@ -23,7 +24,6 @@ from session_log.report.session.session_data import (
 STOP = "stop"
 VOICE = "voice"  # by which a command was given
 SHUTDOWN = "shutdown"  # reason code of rst_control/ReasonCode
-DEVICES = "devices"  # what answers a call to a device, which is no node of the controller
 FAILED = "failed"  # outcome of a call to a device; the controller refused nothing
 ANSWERS = ("accepted", "refused", "stop_received")
 CLOCK_SLACK = 0.02  # [s] an answer may be stamped this much before the decision it answers

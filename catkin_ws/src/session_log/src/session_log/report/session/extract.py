@@ -20,6 +20,7 @@ from session_log.mcap_file.summary import MessageCounter, RecordingSummary
 from session_log.report.session.fast_topics import FastTopic, LoopTopic, Take
 from session_log.report.session.joint_tables import JointTables
 from session_log.report.session.session_data import (
+    DEVICES,
     MOVING,
     IntendedPhrase,
     Intervals,
@@ -243,7 +244,7 @@ class _Extractor:
     def _device(self, m: Any) -> None:
         time, kind = self._time(m.header.stamp), "accepted" if m.is_done else "refused"
         words = ", ".join(filter(None, (m.target, m.message)))
-        self._data.device_calls.append(RecordedEvent(time, kind, m.phrase, words, caller="devices"))
+        self._data.device_calls.append(RecordedEvent(time, kind, m.phrase, words, caller=DEVICES))
 
     def _state(self, batch: Batch, time: Track) -> None:
         state, moving = batch.column("state"), np.isin(batch.column("state"), MOVING)

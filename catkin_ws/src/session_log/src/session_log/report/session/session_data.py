@@ -15,6 +15,7 @@ from session_log.mcap_file.summary import RecordingSummary
 
 Track = NDArray[np.float64]
 MOVING = ("moving", "stopping")  # states of the controller in which the robot moves
+DEVICES = "devices"  # what answers a call to a device, which is no node of the controller
 
 
 @dataclass(frozen=True)
