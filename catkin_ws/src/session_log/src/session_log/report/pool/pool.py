@@ -12,6 +12,8 @@ from pathlib import Path
 from statistics import median
 from typing import NamedTuple
 
+import numpy as np
+
 from session_log.config import ReportConfig
 from session_log.report.bounds import Bounded, proportion
 from session_log.report.session.analysis import FAILED
@@ -115,8 +117,9 @@ class Pool:
         self.rcm_above += summary.rcm_above
         self.rcm_joints_above += summary.rcm_joints_above
         self.tension_error += summary.tension_error
-        self.tension = _larger(self.tension, summary.tension)
-        self.tension_with_target = _larger(self.tension_with_target, summary.tension_with_target)
+        self.tension = float(np.fmax(self.tension, summary.tension))
+        with_target = np.fmax(self.tension_with_target, summary.tension_with_target)
+        self.tension_with_target = float(with_target)
 
     @property
     def commands(self) -> list[str]:
@@ -207,11 +210,6 @@ def _member(path: Path, page: Path | None, summary: SessionSummary) -> PooledSes
 def _answers(summary: SessionSummary) -> Iterator[str]:
     for given in summary.given:
         yield f"{given.command} {given.outcome} {given.message}"
-
-
-def _larger(one: float, other: float) -> float:
-    """The larger of two numbers; the other one where one is nan."""
-    return other if math.isnan(one) or other > one else one
 
 
 def _largest(values: MomentSummary) -> float:
