@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -13,15 +15,20 @@ from numpy.typing import NDArray
 
 def write_arrays(path: Path, **arrays: NDArray[np.generic]) -> None:
     """Write arrays by name, all or nothing; the folder is made where it is missing."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_suffix(f".{os.getpid()}.npz")  # another program may write the same
-    np.savez(temporary, **arrays)  # type: ignore[arg-type]
-    temporary.replace(path)
+    with _replacing(path, ".npz") as temporary:
+        np.savez(temporary, **arrays)  # type: ignore[arg-type]
 
 
 def write_json(path: Path, content: object) -> None:
     """Write JSON, all or nothing; the folder is made where it is missing."""
+    with _replacing(path, ".json") as temporary:
+        temporary.write_text(json.dumps(content), encoding="utf-8")
+
+
+@contextmanager
+def _replacing(path: Path, suffix: str) -> Iterator[Path]:
+    """A file to write beside another one, whose place it then takes."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_suffix(f".{os.getpid()}.json")
-    temporary.write_text(json.dumps(content), encoding="utf-8")
+    temporary = path.with_suffix(f".{os.getpid()}{suffix}")  # another program may write the same
+    yield temporary
     temporary.replace(path)
