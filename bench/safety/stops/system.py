@@ -157,11 +157,19 @@ class StopSession:
         first = time.monotonic() + LEAD + float(self._rng.uniform(0.0, LONGEST if is_moving else 0))
         moments = (first + self._rng.uniform(0.0, 0.004, count)).tolist()
         sent = self._clients.stop(way, moments)
-        time.sleep(max(0.0, max(sent) + WATCHED - time.monotonic()))
-        received = sorted(self.watcher.received())
+        received = self._received(max(sent) + time.time() - time.monotonic())
         if (received or way == "cancel") and self._was_halted(min(received, default=np.inf)):
             return []
         return self._judged(way, count, received, sent)
+
+    def _received(self, sent: float) -> list[float]:
+        """When the stops came [s], in order; one that came late is watched for as long."""
+        received, newest = list[float](), sent
+        while (left := newest + WATCHED - time.time()) > 0.0:
+            time.sleep(left)
+            received = sorted(self.watcher.received())
+            newest = max([newest, *received])
+        return received
 
     def _judged(
         self, way: str, count: int, received: list[float], sent: list[float]
