@@ -17,6 +17,7 @@ def ran_by(words, monkeypatch):
     ran = []
     monkeypatch.setattr(main_module, "run", lambda file, *_: ran.append(file) or [])
     monkeypatch.setattr(main_module, "PLACE", None)  # no page is written
+    monkeypatch.setattr(main_module, "_by_itself", lambda name: main_module.main([name]))
     monkeypatch.setattr(main_module, "_decisions", lambda part: "")  # nothing is listened to
     assert main_module.main(words) == 0
     return ran
@@ -48,6 +49,18 @@ def test_a_part_or_a_family_is_measured_once_however_often_it_is_named(monkeypat
     family = ran_by(["sessions", "sessions.flood", "motion"], monkeypatch)
     assert family == ["sessions/flood", "sessions/reading", "motion"]
     assert len(ran_by([], monkeypatch)) == len(measurable())
+
+
+def test_of_several_parts_each_has_a_process_and_one_that_fails_leaves_the_others(monkeypatch):
+    calls = []
+
+    def call(command):
+        calls.append(command[1:])
+        return 1 if len(calls) == 1 else 0
+
+    monkeypatch.setattr(main_module.subprocess, "call", call)
+    assert main_module.main(["sessions"]) == 1
+    assert calls == [["-m", "bench", name] for name in ("sessions.flood", "sessions.reading")]
 
 
 @pytest.mark.parametrize("part", measurable().values(), ids=lambda part: part.name)
