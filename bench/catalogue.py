@@ -103,6 +103,7 @@ _SAFETY = Area(
             "safety.spoken.suite",
             code.SYSTEM,
             details=("set-points at rest", r"p99$"),
+            decides="motion",
         ),
         Part(
             "safety.losses",
@@ -132,6 +133,7 @@ _SAFETY = Area(
             "safety.hang",
             (*code.HEARING, *code.VOICE_NODE),
             details=(r"p(50|95|99)$",),
+            decides="rest",
         ),
         Part(
             "safety.flood",
@@ -141,7 +143,14 @@ _SAFETY = Area(
             details=(r"p(50|95)$",),
         ),
         Part("safety.soak", "A day of session time", "safety.soak.suite", code.SYSTEM, SYNTHETIC),
-        Part("safety.sound", "Sound that is none", "safety.sound.suite", code.HEARING, SYNTHETIC),
+        Part(
+            "safety.sound",
+            "Sound that is none",
+            "safety.sound.suite",
+            code.HEARING,
+            SYNTHETIC,
+            decides="rest",
+        ),
         Part("safety.ends", "Ctrl-C at every moment", "safety.ends", code.ROBOT_NODES),
     ),
 )
@@ -239,7 +248,7 @@ _HEARING = Area(
             "voice.overlap_network",
             code.HEARING,
         ),
-        Part("voice.calibration", "Confidence", "voice.calibration", code.HEARING),
+        Part("voice.calibration", "Confidence", "voice.calibration", code.HEARING, decides="rest"),
         Part("voice.sizes", "Whisper's sizes", "voice.sizes", code.HEARING, SYNTHETIC),
         Part("voice.soak", "An hour of load", "voice.soak.suite", code.HEARING, SYNTHETIC),
     ),
@@ -262,6 +271,7 @@ _PAPER = Area(
             SYNTHETIC,
             command="make paper INPUT=voice,pedal",
             details=(r"p95$", "median$"),
+            decides="motion",
         ),
         Part(
             "paper_8_repetitions",
@@ -271,6 +281,7 @@ _PAPER = Area(
             SYNTHETIC,
             command="make paper INPUT=voice,pedal REPETITIONS=8",
             details=(r"p95$", "median$"),
+            decides="motion",
         ),
     ),
 )
@@ -304,10 +315,14 @@ _COST = Area(
     "Cost of running",
     "The whole simulated system on this machine.",
     (
-        Part("system.cost", "Each node, and the start", "system.cost", code.SYSTEM),
+        Part("system.cost", "Each node, and the start", "system.cost", code.SYSTEM, decides="rest"),
         Part("system.setup", "Set-up in a fresh clone", "system.setup", code.SET_UP),
-        Part("system.loop", "The control loop under load", "system.loop", code.SYSTEM),
-        Part("system.display", "The operator's page", "system.display", code.SYSTEM),
+        Part(
+            "system.loop", "The control loop under load", "system.loop", code.SYSTEM, decides="rest"
+        ),
+        Part(
+            "system.display", "The operator's page", "system.display", code.SYSTEM, decides="rest"
+        ),
     ),
 )
 

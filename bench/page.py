@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from bench.catalogue import AREAS, parts
-from bench.common.part import DECISIONS, HUMAN, MEASURED, SYNTHETIC, Area, Part
+from bench.common.part import HUMAN, MEASURED, SYNTHETIC, Area, Part
 from bench.readme_rows import ROWS, ReadmeRow
 from support import figures
 from support.figures import RESULTS, ROOT, Figure, interval
-from support.product_code import identity
+from support.product_code import beside_hearing, identity
 
 PAGE, FRONT = ROOT / "docs" / "measured.md", ROOT / "README.md"
 BEGIN, END = "<!-- figures: by `make figures` -->", "<!-- end of figures -->"
@@ -37,7 +37,7 @@ WHO = {HUMAN: HUMAN, SYNTHETIC: SYNTHETIC, "people:": HUMAN}  # by words in a fi
 AGES = {
     None: "**Which code was measured is not recorded.**",
     False: "**The code was changed since.**",
-    SAME: "The code was changed since. On 72 fixed clips, 24 more in motion, it decides the same.",
+    SAME: "Hearing was changed since. On 72 fixed clips, 24 more in motion, it decides the same.",
     True: "The code is as measured.",
 }
 
@@ -50,6 +50,7 @@ class Result:
     machine: dict[str, Any]
     code: str | None  # None: older than the record of it
     decisions: str  # key of what was decided on fixed clips; empty: not recorded
+    beside: str  # digest of its code other than that of hearing
     figures: tuple[Figure, ...]
 
     @property
@@ -59,8 +60,8 @@ class Result:
             return None
         if self.code == identity(self.part.rooms):
             return True
-        is_same = bool(self.decisions) and self.decisions == _decided_now(self.part)
-        return SAME if is_same else False
+        is_same = bool(self.decisions) and self.decisions == figures.decided_now(self.part.decides)
+        return SAME if is_same and self.beside == beside_hearing(self.part.rooms) else False
 
     def shown(self) -> list[Figure]:
         """Figures for the page."""
@@ -78,15 +79,8 @@ def load(part: Part, folder: Path = RESULTS) -> Result | None:
     if not path.is_file():
         return None
     data = json.loads(path.read_text(encoding="utf-8"))
-    decisions = data.get("decisions", "")
-    return Result(part, data["machine"], data.get("code"), decisions, tuple(figures.read(path)))
-
-
-def _decided_now(part: Part) -> str | None:
-    """Key of what the present code decides on fixed clips; None where it is not noted."""
-    noted = json.loads(DECISIONS.read_text(encoding="utf-8")) if DECISIONS.is_file() else {}
-    is_present = noted.get("code") == identity(part.rooms)
-    return noted.get(part.decides) if is_present else None
+    keys = data.get("code"), data.get("decisions", ""), data.get("beside_hearing", "")
+    return Result(part, data["machine"], *keys, tuple(figures.read(path)))
 
 
 def text(folder: Path = RESULTS) -> str:

@@ -32,10 +32,10 @@ from paper.play.speaker import installed_voices
 from session_log.cli import CONFIG as REPORT
 from session_log.config import ReportConfig
 from session_log.errors import SessionLogError
-from support.figures import RESULTS, ROOT, machine, show, write
+from support.figures import RESULTS, ROOT, decided_now, keys, machine, show, write
 from support.interrupt import end_as_by_ctrl_c
 from support.process_groups import STOP_TIME, end_group, start_group
-from support.product_code import SYSTEM, identity
+from support.product_code import SYSTEM
 from typed_config import ConfigError, count_option, load_file
 
 VOICES = "4"
@@ -199,7 +199,8 @@ def _conclude(
     listed = figures(heard, paper, theirs.hardware) if heard else []
     listed += comparison({VOICE: [o for r in heard for o in r.repetitions], PEDAL: pressed})
     show(listed, console)
-    facts = {"code": identity(SYSTEM), "voices": [asdict(result.voice) for result in heard]}
+    code = keys(SYSTEM, decided_now("motion"))
+    facts = {**code, "voices": [asdict(result.voice) for result in heard]}
     for path in [out / RESULT, *([RESULTS / RESULT] if is_full else [])]:
         write(path, listed, machine(), **facts)
         console.print(f"Figures: {path}")

@@ -21,12 +21,13 @@ from rich.table import Table
 
 from session_log.recording.metadata import machine_facts
 from session_log.report import bounds
-from support.product_code import identity
+from support.product_code import HEARING, beside_hearing, identity
 from voice_assist.evaluation.exact_bounds import rate_at_most
 
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "bench" / "results"
 DRAWS = 10_000  # of groups, for a bound
+DECISIONS = RESULTS / "voice" / "decisions.json"  # see bench/voice/hearing/fingerprint.py
 SEVERAL = "several"  # in place of the code of a result whose pieces are of different code
 
 
@@ -192,9 +193,35 @@ def run(
     code = SEVERAL if is_of_other_code() else code
     show(figures, console)
     path = RESULTS / f"{name}.json"
-    write(path, figures, where, code=code, **({"decisions": decisions} if decisions else {}))
+    write(path, figures, where, **{**keys(rooms, decisions), "code": code})
     console.print(f"written: {path.relative_to(ROOT)}")
     return figures
+
+
+def keys(rooms: Sequence[str], decisions: str) -> dict[str, str]:
+    """What a result has on file of the code that it is of.
+
+    Args:
+        rooms: Of the product; see support/product_code.py.
+        decisions: Key of what hearing decides on fixed clips; empty: nothing follows from it.
+    """
+    code = {"code": identity(rooms)}
+    if not decisions:
+        return code
+    return {**code, "decisions": decisions, "beside_hearing": beside_hearing(rooms)}
+
+
+def decided_now(which: str) -> str:
+    """Key of what the present code decides on fixed clips.
+
+    Args:
+        which: "rest" or "motion".
+
+    Returns:
+        Empty where it is not noted.
+    """
+    noted = json.loads(DECISIONS.read_text(encoding="utf-8")) if DECISIONS.is_file() else {}
+    return str(noted.get(which, "")) if noted.get("code") == identity(HEARING) else ""
 
 
 def show(figures: Sequence[Figure], console: Console) -> None:

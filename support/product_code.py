@@ -77,6 +77,12 @@ SET_UP = tuple(
 )
 
 
+def beside_hearing(rooms: Sequence[str]) -> str:
+    """Digest of rooms without those of hearing; empty: there are no others."""
+    others = [room for room in rooms if room not in HEARING]
+    return identity(others) if others else ""
+
+
 def identity(rooms: Sequence[str]) -> str:
     """Digest of rooms.
 

@@ -8,10 +8,9 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from support.figures import RESULTS, Figure
+from support.figures import Figure
 
 SYNTHETIC, HUMAN = "synthetic", "human"
-DECISIONS = RESULTS / "voice" / "decisions.json"  # see bench/voice/hearing/fingerprint.py
 MEASURED = "measured"  # figure that says on how much a result rests
 
 
@@ -28,8 +27,8 @@ class Part:
         details: Regular expressions of figures that the page leaves to the file.
         command: That measures it; empty: `make bench ONLY=<name>`.
         last_in: Last commit with its bench, where that is gone.
-        decides: "rest" or "motion", where its figures follow from what is decided on sound alone:
-            code that decides the same on fixed clips leaves them true.
+        decides: "rest" or "motion", where its figures follow from what hearing decides, and from
+            its other rooms: hearing that decides the same on fixed clips leaves them true.
     """
 
     name: str

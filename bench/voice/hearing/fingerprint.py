@@ -20,15 +20,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.common import resumable
-from bench.common.part import DECISIONS
 from bench.common.resumable import code, digest
 from bench.voice.hearing.replay_stream import SceneListener, SoundScene
 from support import product_code
+from support.figures import DECISIONS
 from support.product_code import HEARING
 from support.theatre_sound import LEVEL, speak, theatre_noise
 from voice_assist.assembly import make_recognizer, make_spotter, make_spotters
 from voice_assist.config import CONFIG_DIR, CommandsConfig, VoiceConfig, load_voice_config
 from voice_assist.config.commands import CommandConfig
+from voice_assist.config.voice import RecognizerConfig
 from voice_assist.pipeline import pipeline
 from voice_assist.types import RATE, Mode, Samples
 
@@ -44,6 +45,7 @@ WINDOWS = 20  # of an outline
 DIGITS = 3  # of full scale, in an outline
 VERIFIER = ("voice_assist/verifier.pt",)
 GONE = 1000.0  # [nat] of a setting that never decided; as when rows were first kept
+UNASKED = (False, 0.5, 2.0, "yes", 3.0)  # of settings that decide nothing; as in rows first kept
 UNHEARD = {"recognizer__hung_after": 0.35}  # of the node alone; as when rows were first kept
 
 
@@ -124,12 +126,16 @@ def at_rest(config: VoiceConfig) -> tuple[object, ...]:
 def values(settings: object) -> object:
     """What settings hold, without the names of their fields and classes; of commands what counts.
 
-    Slots that no command has are left out, and what only other languages have.
+    Slots that no command has are left out, what only other languages have, and how it is asked for
+    motions where it never is.
     """
     if isinstance(settings, CommandsConfig):
         commands = tuple(map(_of_command, settings.commands))
         slots = (settings.amounts, tuple(map(astuple, settings.slots))) if settings.amounts else ()
         return settings.answer_within, *slots, commands
+    if isinstance(settings, RecognizerConfig) and not settings.ask.is_enabled:
+        named = zip(fields(settings), astuple(settings), strict=True)
+        return tuple(UNASKED if field.name == "ask" else value for field, value in named)
     return astuple(settings) if is_dataclass(settings) else settings  # type: ignore[arg-type]
 
 

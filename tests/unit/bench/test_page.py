@@ -9,8 +9,9 @@ from bench import page
 from bench.catalogue import AREAS, measurable, parts
 from bench.common.part import HUMAN
 from bench.readme_rows import ReadmeRow
+from support import figures as support_figures
 from support.figures import Figure, rate, read, share, write
-from support.product_code import definitions, identity
+from support.product_code import HEARING, beside_hearing, definitions, identity
 
 PART = measurable()["voice.armed"]
 MACHINE = {"cpu": "AMD EPYC", "cores": 2, "load_at_start": 0.5, "date": "2026-11-25"}
@@ -83,9 +84,25 @@ def test_changed_code_that_decides_the_same_on_fixed_clips_is_marked_so(
     noted = tmp_path / "decisions.json"
     if now is not None:
         noted.write_text(json.dumps(now))
-    monkeypatch.setattr(page, "DECISIONS", noted)
+    monkeypatch.setattr(support_figures, "DECISIONS", noted)
     assert PART.decides == "rest"
     assert on_file(tmp_path, SHARE, code="other", decisions=decided).age == age
+
+
+@pytest.mark.parametrize(
+    ("beside", "age"), [("the present", page.SAME), ("other", False), ("", False)]
+)
+def test_what_rests_on_more_than_hearing_is_the_same_only_where_that_is(
+    tmp_path, monkeypatch, beside, age
+):
+    noted = tmp_path / "decisions.json"
+    noted.write_text(json.dumps({"code": identity(HEARING), "motion": "a"}))
+    monkeypatch.setattr(support_figures, "DECISIONS", noted)
+    part = measurable()["safety.spoken"]
+    other = beside_hearing(part.rooms) if beside == "the present" else beside
+    facts = {"code": "other", "decisions": "a", "beside_hearing": other}
+    write(tmp_path / f"{part.file}.json", [SHARE], MACHINE, **facts)
+    assert page.load(part, tmp_path).age == age
 
 
 @pytest.mark.parametrize(
