@@ -99,6 +99,42 @@ def test_the_nearest_command_is_by_sound(text, nearest):
     assert MAPPER(text).nearest_command == nearest
 
 
+@pytest.mark.parametrize(
+    ("text", "command"),
+    [
+        ("Dense.", "tense"),
+        ("bull less", "pull less"),
+        ("pull us", "pull less"),
+        ("we lease", "release"),
+        ("step", "stop"),
+        ("a robot", "hey robot"),
+    ],
+)
+def test_a_whole_text_may_sound_almost_like_a_command(text, command):
+    assert isinstance(MAPPER(text), NoMatch)
+    almost = MAPPER.almost(text, 0.25)
+    assert (almost.command, almost.wer) == (command, MAPPER(text).wer)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *(
+            "",
+            "the past dense of it",
+            "do not dense",
+            "no bull less",
+            "dense two",
+            "dénse",
+            "tense up",
+        ),
+        *("thank you", "pull more gauze", "release it", "police", "dense " * 100),
+    ],
+)
+def test_what_sounds_otherwise_or_denies_is_almost_none(text):
+    assert MAPPER.almost(text, 0.25) is None
+
+
 def test_talk_is_not_all_near_the_command_with_the_longest_spelling():
     talk = [text for text in IGNORED if len(text.split()) > 3]
     stops = [text for text in talk if MAPPER(text).nearest_command == "stop"]

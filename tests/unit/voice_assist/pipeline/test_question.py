@@ -17,12 +17,14 @@ from voice_assist.types import Ask, Call, Mode, RejectionReason
 
 CONFIG = load_voice_config().recognizer
 YES = "please"  # of the words that the fake recogniser knows
-NEARLY = {"pull more": (CONFIG.ask.sure_verification + CONFIG.motion_verification) / 2}
-HARDLY = {"pull more": CONFIG.motion_verification - 0.1}
+NEARLY = {"pull more": (CONFIG.ask.min_verification + CONFIG.motion_verification) / 2}
+HARDLY = {"pull more": CONFIG.ask.min_verification - 0.1}
+SURELY = {"pull more": CONFIG.motion_verification}
+LIKE_TENSE = {"tense": 20.0}
 
 
-def hear(text, odds=NEARLY, mode=Mode.ACTIVE, is_enabled=True, **changes):
-    recognizer = FakeRecognizer(odds=odds)
+def hear(text, odds=NEARLY, mode=Mode.ACTIVE, is_enabled=True, scores=None, **changes):
+    recognizer = FakeRecognizer(scores, odds=odds)
     changes |= {"recognizer__ask__is_enabled": is_enabled, "recognizer__ask__answer": YES}
     pipeline, clock = make(mode, recognizer, **changes)
     return run(pipeline, clock, frames(say(text)))
@@ -85,9 +87,53 @@ def test_nothing_is_asked_for_in_standby():
     assert reasons(events)[0] is RejectionReason.WRONG_MODE
 
 
-def test_where_nothing_is_asked_for_what_is_nearly_sure_is_taken():
+def test_where_nothing_is_asked_for_what_is_nearly_sure_is_refused():
     assert not CONFIG.ask.is_enabled
-    assert actions(hear("0.3 pull more", is_enabled=False)) == [Call("pull more")]
+    events = hear(f"0.3 pull more 0.8 {YES}", is_enabled=False)
+    assert actions(events) == []
+    assert reasons(events)[0] is RejectionReason.SOUNDS_LIKE_ANOTHER
+
+
+def test_what_is_sure_is_done_at_once():
+    assert actions(hear("0.3 pull more", SURELY)) == [Call("pull more")]
+
+
+def test_what_sounds_almost_like_a_motion_is_asked_for():
+    events = hear(f"0.3 dense 1.0 {YES}", scores=LIKE_TENSE)
+    assert actions(events) == [Ask("tense"), Call("tense")]
+    words = decisions(events)[0].rejection.words
+    assert words.endswith("WER 1.00 to 'tense', allowed below 0.50")
+
+
+@pytest.mark.parametrize(
+    ("said", "changes"),
+    [
+        ("dense", {"is_enabled": False}),
+        ("dense", {"mode": Mode.STANDBY}),
+        ("dense", {"scores": {}}),
+        ("dense", {"scores": {**LIKE_TENSE, "release": 30.0}}),
+        ("dense", {"odds": {"tense": HARDLY["pull more"]}}),
+        ("dense", {"recognizer__ask__max_distance": 0.0}),
+        ("dense", {"commands__said_twice": True}),
+        ("dense dense", {}),
+        ("do not dense", {}),
+        ("he said dense", {}),
+        ("the dense", {"recognizer__ask__max_distance": 0.1}),
+        ("more", {}),
+    ],
+)
+def test_what_sounds_less_like_a_motion_is_not_asked_for(said, changes):
+    events = hear(f"0.3 {said} 0.8 {YES}", **{"scores": LIKE_TENSE, **changes})
+    assert actions(events) == []
+
+
+def test_what_sounds_almost_like_it_again_is_not_asked_for_again():
+    events = hear(f"0.3 dense 0.8 dense 0.8 {YES}", scores=LIKE_TENSE)
+    assert actions(events) == [Ask("tense")]
+
+
+def test_a_stop_after_what_sounds_almost_like_a_motion_stops():
+    assert commands(hear("0.3 dense 0.8 stop", scores=LIKE_TENSE)) == ["stop"]
 
 
 def test_a_doubtful_confidence_is_asked_for_too():

@@ -70,6 +70,19 @@ def test_a_setting_that_is_gone_is_left_out_and_what_came_later_is_off():
     assert warnings == ()
 
 
+@pytest.mark.parametrize(("is_enabled", "taken_from"), [(False, 0.5), (True, 2.0)])
+def test_a_recording_that_asked_by_its_former_limits_asks_within_them(is_enabled, taken_from):
+    given = settings()
+    given["recognizer"]["motion_verification"] = 0.5
+    ask = given["recognizer"]["ask"] | {"is_enabled": is_enabled, "sure_verification": 2.0}
+    del ask["min_verification"], ask["max_distance"]
+    given["recognizer"]["ask"] = ask
+    config, warnings = restore_settings(given, None)
+    found = config.recognizer
+    assert (found.ask.min_verification, found.motion_verification) == (0.5, taken_from)
+    assert found.ask.max_distance == 0.0 and warnings == ()
+
+
 def test_without_recorded_settings_those_of_today_are_used_and_said():
     config, warnings = restore_settings({}, None)
     assert config == CONFIG

@@ -13,10 +13,11 @@ from voice_assist.vad.detector import EnergyDetector
 WORDS = (
     *("hey", "robot", "tense", "release", "pull", "more", "less", "stop", "terminate", "do"),
     *("not", "is", "what", "he", "said", "never", "please", "pulling", "mumble", "the", "now"),
+    "dense",
 )
 WORD = 0.22  # [s]
 BETWEEN = 0.03  # [s]
-_BAND = 150.0  # [Hz] between words
+_BAND = 140.0  # [Hz] between words
 _LOWEST = 400.0  # [Hz]
 _GLIDE = 0.015  # of the pitch, since what keeps its pitch is no voice
 

@@ -205,7 +205,8 @@ class AskConfig:
 
     is_enabled: bool = flag()
     min_confidence: float = number(0.0, 1.0, "")
-    sure_verification: float = number(-1000.0, 1000.0, "nat")
+    min_verification: float = number(-1000.0, 1000.0, "nat")
+    max_distance: float = number(0.0, 1.0, "")
     answer: str = text()
     answer_within: float = number(0.5, 10.0, "s")
 

@@ -85,6 +85,27 @@ class Mapper:
         nearest = self._nearest(words, errors)
         return _no_command(self._reason(words, nearest, errors, best), nearest, errors)
 
+    def almost(self, transcript: str, limit: float) -> Match | None:
+        """The command that all words of a transcript together sound most like.
+
+        Args:
+            transcript: That was taken for no command.
+            limit: Distance of their sounds from the phrase's, in [0, 1], up to which it counts.
+
+        Returns:
+            None where none is so near, and for what denies, has a number or strange letters, or has
+            more words beside the phrase itself.
+        """
+        words = self.words(transcript)
+        is_other = not words or is_negated(words) or amount_words(words)
+        if is_other or is_too_long(transcript) or foreign(transcript, self._letters):
+            return None
+        fixed = {p: own for p, own in self._phrases.items() if not amount_words(own)}
+        apart = {phrase: _apart(own, words) for phrase, own in fixed.items()}
+        nearest = min(apart, key=apart.__getitem__)
+        is_almost = apart[nearest] <= limit and not _has(words, fixed[nearest])
+        return Match(nearest, self._errors(words)) if is_almost else None
+
     def words(self, transcript: str) -> Words:
         """Words of a transcript; an amount is in the words by which it is known."""
         words = self.written(transcript)
@@ -192,6 +213,12 @@ def _joined(spellings: Iterable[Words]) -> dict[str, Words]:
     known = set(chain.from_iterable(every))
     joined = {"".join(words): words for words in every if len(words) > 1}
     return {word: words for word, words in joined.items() if word not in known}
+
+
+def _has(words: Words, part: Words) -> bool:
+    """Whether some of the words, side by side, are the part."""
+    size = len(part)
+    return any(words[at : at + size] == part for at in range(len(words) - size + 1))
 
 
 def _least_apart(phrase: Words, words: Words) -> float:

@@ -7,6 +7,7 @@ Every other command is taken in `Decider.command`.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from voice_assist.config import CommandConfig, VoiceConfig
@@ -21,7 +22,7 @@ from voice_assist.intent.rejection_rules import (
     to_be_said_again,
 )
 from voice_assist.pipeline.stop_decider import RECOGNIZER, StopDecider, StopInSound, Verdict
-from voice_assist.types import Hypothesis, Match, Rejection, RejectionReason
+from voice_assist.types import Hypothesis, Match, NoMatch, Rejection, RejectionReason
 
 if TYPE_CHECKING:
     from voice_assist.pipeline.partial_decoding import PartialDecoder
@@ -54,6 +55,7 @@ class Decider:
         self._config, self._recognizer_config = config, config.recognizer
         self._mapper, self._decoder = mapper, decoder
         self._rejection_rules = rejection_rules
+        self._is_asking = config.recognizer.ask.is_enabled and not config.commands.said_twice
         early = config.recognizer.early
         self._early_decision = EarlyDecision(mapper, config.commands, early, stop_fusion)
         stop_rules = stop_fusion, self._early_decision, stop_in_sound
@@ -96,6 +98,10 @@ class Decider:
             stop = self.stops.beside(transcript, partial) if is_motion else None
             return stop or self.command(outcome, transcript, partial)
         if outcome is not None:
+            if context.is_complete and context.is_whole and not self._early_decision.has_decided:
+                asked = self._asked_for(outcome, transcript, partial)
+                if asked is not None:
+                    return asked
             worth = self._recognizer_config.confidence.transcript
             return Verdict(outcome, transcript, worth(log_odds(transcript.confidence)), RECOGNIZER)
         if self._decoder.is_settled(partial):
@@ -121,6 +127,26 @@ class Decider:
         outcome = match if rejection is None else match.rejected(rejection)
         return Verdict(outcome, transcript, confidence, RECOGNIZER)
 
+    def _asked_for(
+        self, outcome: NoMatch, transcript: Hypothesis, partial: PartialUtterance
+    ) -> Verdict | None:
+        """A motion that is asked for, since a whole utterance sounds almost like it; None: none is.
+
+        An accent's "tense" may be written "dense".
+        """
+        ask = self._recognizer_config.ask
+        match = self._mapper.almost(transcript.text, ask.max_distance) if self._is_asking else None
+        if match is None or not self._config.commands.get(match.command).is_motion:
+            return None
+        verdict = self.stops.beside(transcript, partial) or self.command(match, transcript, partial)
+        if verdict.outcome == match:
+            doubt = to_be_confirmed(ask, "nearly sure", outcome.rejection.words)
+            return replace(verdict, outcome=match.rejected(doubt))
+        is_refused = isinstance(verdict.outcome, NoMatch) and (
+            verdict.outcome.rejection.reason is not RejectionReason.NEARLY_SURE
+        )
+        return None if is_refused else verdict
+
     def _best_scored(self, match: Match, transcript: Hypothesis) -> tuple[str, float]:
         """The command that the sound is most like, and the score [nat] of the one taken."""
         texts = self._texts(match, transcript)
@@ -132,19 +158,18 @@ class Decider:
         """Why a command may be none, or must be asked for; None: it is one."""
         command, config = self._config.commands.get(match.command), self._recognizer_config
         ask, odds = config.ask, self._verified(match, transcript)
-        is_asking, minimum = ask.is_enabled and command.is_motion, config.motion_verification
-        sure = max(minimum, ask.sure_verification) if is_asking else minimum
         if confidence < command.min_confidence:
             doubt = too_unsure(confidence, command.min_confidence)
-        elif odds < sure:
-            doubt = another_word(match.command, odds, sure)
+        elif odds < config.motion_verification:
+            doubt = another_word(match.command, odds, config.motion_verification)
         elif isinstance(command, AmountCommand) and command.is_large:
             return to_be_confirmed(ask, "a large amount", command.too_large)
         elif command.is_motion and self._config.commands.said_twice:
             return to_be_said_again(ask)
         else:
             return None
-        if not is_asking or confidence < ask.min_confidence or odds < minimum:
+        is_asking = self._is_asking and command.is_motion
+        if not is_asking or confidence < ask.min_confidence or odds < ask.min_verification:
             return doubt
         return to_be_confirmed(ask, "nearly sure", doubt.words)
 

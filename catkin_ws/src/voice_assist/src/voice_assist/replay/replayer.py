@@ -39,7 +39,8 @@ if TYPE_CHECKING:
 _NEVER_ASKS = {
     "is_enabled": False,
     "min_confidence": 1.0,
-    "sure_verification": 0.0,
+    "min_verification": 1000.0,
+    "max_distance": 0.0,
     "answer": "yes",
     "answer_within": 3.0,
 }
@@ -233,11 +234,24 @@ def restore_settings(
         else:
             known = {**today[name], **off}
         recorded = {**recorded, name: known}
+    if isinstance(recognizer := recorded.get("recognizer"), Mapping):
+        recorded = {**recorded, "recognizer": _asks_as_today(recognizer)}
     data = _merge(today, recorded, "", warnings) if recorded else today
     data["recognizer"]["device"] = today["recognizer"]["device"]
     if model is not None:
         data["recognizer"]["model"] = model
     return voice_config(data), tuple(warnings)
+
+
+def _asks_as_today(recognizer: Mapping[str, Any]) -> Mapping[str, Any]:
+    """A recorded section whose questions went from `motion_verification` to `sure_verification`."""
+    ask, least = recognizer.get("ask"), recognizer.get("motion_verification")
+    if not isinstance(ask, Mapping) or "sure_verification" not in ask:
+        return recognizer
+    kept = {key: value for key, value in ask.items() if key != "sure_verification"}
+    asked = {**kept, "min_verification": least, "max_distance": 0.0}
+    taken = max(least, ask["sure_verification"]) if ask.get("is_enabled") else least
+    return {**recognizer, "ask": asked, "motion_verification": taken}
 
 
 def _merge(
