@@ -20,7 +20,7 @@ from demo.script import load_script
 from session_log.mcap_file.reader import SessionReader
 from session_log.recording import metadata
 from support.browser import MISSING, find_browser
-from tests.support.heeding import heed
+from tests.integration.heeding import heed
 from tests.support.recorded_topics import ON_REQUEST, TYPES
 
 ROOT = Path(__file__).resolve().parents[2]

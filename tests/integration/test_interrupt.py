@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from support.waiting import PATIENCE
-from tests.support.heeding import heed
+from tests.integration.heeding import heed
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = """

@@ -6,7 +6,7 @@ import shutil
 
 import pytest
 
-from tests.support.argument_places import ROOT, bases, rows, unmet
+from tests.launch.argument_places import ROOT, bases, rows, unmet
 from tests.support.launch_reading import read
 from typed_config.launch_line import arguments
 

@@ -15,7 +15,7 @@ import yaml
 from roslaunch import RLException
 
 from support.launched_system import free_port
-from tests.support.argument_places import ROOT, parameters, rows, unmet
+from tests.launch.argument_places import ROOT, parameters, rows, unmet
 from tests.support.doc_lines import PAGES, all_lines
 from tests.support.launch_reading import commands_here, dumped, read, restored
 

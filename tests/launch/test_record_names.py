@@ -3,7 +3,7 @@
 
 import pytest
 
-from tests.support.argument_places import ROOT
+from tests.launch.argument_places import ROOT
 from tests.support.launch_reading import read
 
 NAMES = ("0012", "1.10", "true", "1e3", "0", "False", "first_trial", "o'brien 2")

@@ -21,9 +21,9 @@ from rst_control.srv import SetGraspPoint
 from rst_control.tissue.sheet import rest_points
 from support.browser import MISSING, Browser, find_browser
 from support.waiting import wait_until
+from tests.rostest.voice.spoken_topic import Microphone
 from tests.support.page import click, click_picture, enter, text
 from tests.support.robot_client import RobotTest, run_tests
-from tests.support.spoken_topic import Microphone
 from voice_assist.msg import Utterance
 from voice_assist.ros.display.endoscope import camera_of
 

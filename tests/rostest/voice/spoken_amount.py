@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From the sound of an amount to a robot that goes for it, and near misses that move nothing."""
 
+from tests.rostest.voice.spoken_topic import SpokenTo
 from tests.support.robot_client import run_tests
-from tests.support.spoken_topic import SpokenTo
 
 SAID, SENT, TARGET = "tension one point five", "tense 1.5 N", 1.5  # [N]
 NEAR = ("tension one point nine", "the tension is one point five")

@@ -6,8 +6,8 @@ from contextlib import suppress
 
 import rospy
 
+from tests.rostest.voice.spoken_topic import SpokenTo
 from tests.support.robot_client import run_tests
-from tests.support.spoken_topic import SpokenTo
 from voice_assist.msg import Mode
 
 WITH_STOP, WITHOUT = "he said stop and went on", "he said pull more and went on"
