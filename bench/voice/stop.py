@@ -31,7 +31,7 @@ TARGETS = {  # least share heard
     f"stop, synthetic, {TWICE}": 0.999,
     f"stop, human, {TWICE}": 0.999,
     "stop, synthetic, quiet, both ways": 0.995,
-    "stop, human, quiet, both ways": 0.95,
+    "stop, human, quiet, both ways": 0.99,
 }
 ALONE, LATE = "quiet, both ways", {"p50": 100.0, "p99": 300.0}  # [ms] after the word, at most
 HARD = ("theatre", 0.0)  # background and SNR [dB] in which each way is tried alone, beside quiet
