@@ -127,6 +127,11 @@ def test_what_sounds_less_like_a_motion_is_not_asked_for(said, changes):
     assert actions(events) == []
 
 
+def test_in_standby_what_sounds_almost_like_a_motion_is_no_command():
+    events = hear("0.3 dense", mode=Mode.STANDBY, scores=LIKE_TENSE)
+    assert reasons(events) == [RejectionReason.NO_COMMAND]
+
+
 def test_what_sounds_almost_like_it_again_is_not_asked_for_again():
     events = hear(f"0.3 dense 0.8 dense 0.8 {YES}", scores=LIKE_TENSE)
     assert actions(events) == [Ask("tense")]

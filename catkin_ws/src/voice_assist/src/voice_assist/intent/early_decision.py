@@ -30,6 +30,7 @@ class DecisionContext:
     spotted: float | None = None  # [nat] the spotter's best recent score; None: none listens
     is_moving: bool = False  # the robot moves, or may: a "stop" in a sentence is one
     is_robot_speaking: bool = False  # the robot's own voice sounds, or may; see RobotSpeech
+    is_active: bool = False  # a motion would be done, and may be asked for
 
 
 class EarlyDecision:

@@ -98,10 +98,9 @@ class Decider:
             stop = self.stops.beside(transcript, partial) if is_motion else None
             return stop or self.command(outcome, transcript, partial)
         if outcome is not None:
-            if context.is_complete and context.is_whole and not self._early_decision.has_decided:
-                asked = self._asked_for(outcome, transcript, partial)
-                if asked is not None:
-                    return asked
+            asked = self._asked_for(outcome, transcript, partial, context)
+            if asked is not None:
+                return asked
             worth = self._recognizer_config.confidence.transcript
             return Verdict(outcome, transcript, worth(log_odds(transcript.confidence)), RECOGNIZER)
         if self._decoder.is_settled(partial):
@@ -128,14 +127,20 @@ class Decider:
         return Verdict(outcome, transcript, confidence, RECOGNIZER)
 
     def _asked_for(
-        self, outcome: NoMatch, transcript: Hypothesis, partial: PartialUtterance
+        self,
+        outcome: NoMatch,
+        transcript: Hypothesis,
+        partial: PartialUtterance,
+        context: DecisionContext,
     ) -> Verdict | None:
         """A motion that is asked for, since a whole utterance sounds almost like it; None: none is.
 
         An accent's "tense" may be written "dense".
         """
         ask = self._recognizer_config.ask
-        match = self._mapper.almost(transcript.text, ask.max_distance) if self._is_asking else None
+        is_one = context.is_complete and context.is_whole and not self._early_decision.has_decided
+        may_ask = self._is_asking and context.is_active and is_one
+        match = self._mapper.almost(transcript.text, ask.max_distance) if may_ask else None
         if match is None or not self._config.commands.get(match.command).is_motion:
             return None
         verdict = self.stops.beside(transcript, partial) or self.command(match, transcript, partial)

@@ -180,7 +180,8 @@ class Pipeline:
         has_paused = self._decoder.has_paused(partial)
         where = frame.stream_end, has_paused, is_complete, is_whole, spotted
         robot = frame.is_moving, self._robot_speech.is_in(frame.stamp)
-        context = DecisionContext(*where, *robot)
+        is_active = self._dialogue_state.mode is Mode.ACTIVE
+        context = DecisionContext(*where, *robot, is_active)
         verdict = self._decider(transcript, partial, context)
         return () if verdict is None else (self._conclude(verdict, partial),)
 

@@ -250,8 +250,10 @@ def _asks_as_today(recognizer: Mapping[str, Any]) -> Mapping[str, Any]:
         return recognizer
     kept = {key: value for key, value in ask.items() if key != "sure_verification"}
     asked = {**kept, "min_verification": least, "max_distance": 0.0}
-    taken = max(least, ask["sure_verification"]) if ask.get("is_enabled") else least
-    return {**recognizer, "ask": asked, "motion_verification": taken}
+    sure = ask["sure_verification"]
+    if not ask.get("is_enabled") or not all(isinstance(n, int | float) for n in (least, sure)):
+        return {**recognizer, "ask": asked}
+    return {**recognizer, "ask": asked, "motion_verification": max(least, sure)}
 
 
 def _merge(
