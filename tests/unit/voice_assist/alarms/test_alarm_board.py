@@ -105,13 +105,15 @@ def test_a_motion_that_is_given_up_with_tissue_held_is_of_medium_priority():
             UtteranceReport("", "it counts only in active mode", "wrong_mode", "tense", 0.0),
             True,
         ),
+        (UtteranceReport("", "nearly sure", "nearly_sure", "tense", 0.0), True),
+        (UtteranceReport("", "nearly sure", "nearly_sure", "tense", 1.0), True),
         (UtteranceReport("", "WER 0.67 to 'pull more'", "no_command", "pull more", 0.67), False),
         (UtteranceReport("", "it denies", "no_command", "pull more", 0.0), False),
         (UtteranceReport("", "nothing was said", "no_command", "", float("inf")), False),
         (UtteranceReport("tense", "", "", "tense", 0.0), False),
     ],
 )
-def test_only_the_words_of_a_command_that_was_not_taken_are_an_alarm(said, is_alarm):
+def test_only_a_question_and_the_words_of_a_command_that_was_not_taken_are_an_alarm(said, is_alarm):
     assert (unheard_alarm(said) is not None) == is_alarm
 
 

@@ -13,7 +13,7 @@ from tests.unit.voice_assist.support.fake_pipeline import (
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say
 from voice_assist.config import load_voice_config
 from voice_assist.side_inputs import SideInputKind
-from voice_assist.types import Ask, Call, Mode, RejectionReason
+from voice_assist.types import Ask, Call, Halt, Mode, RejectionReason
 
 CONFIG = load_voice_config().recognizer
 YES = "please"  # of the words that the fake recogniser knows
@@ -263,3 +263,15 @@ def test_a_stop_beside_the_answer_counts_as_beside_a_motion(score):
         assert commands(heard) == [] and reasons(heard) == [RejectionReason.SECOND_VOICE]
     else:
         assert commands(heard) == ["stop"]
+
+
+@pytest.mark.parametrize(("score", "done"), [(0.9, [Ask("tense")]), (1.5, []), (3.5, [Halt(), Call("stop")])])
+def test_a_stop_beside_what_sounds_almost_like_a_motion_counts_as_beside_one(score, done):
+    changes = {
+        "recognizer__ask__is_enabled": True,
+        "moving__refuse_spotter": 1.0,
+        "moving__spotter_alone": 3.0,
+    }
+    spotting, recognizer = FakeSpotting(score), FakeRecognizer(LIKE_TENSE)
+    pipeline, clock = make(Mode.ACTIVE, recognizer, spotting=spotting, **changes)
+    assert actions(run(pipeline, clock, frames(say("0.3 dense 0.5")))) == done

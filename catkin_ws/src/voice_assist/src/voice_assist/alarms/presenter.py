@@ -74,19 +74,21 @@ def event_alarm(event: ControllerEvent, is_tissue_held: bool) -> Alarm | None:
 def unheard_alarm(
     utterance: UtteranceReport, ask: Callable[[str], str] = lambda _: ""
 ) -> Alarm | None:
-    """The words of a command that was not taken; None: other talk, which is nobody's alarm.
+    """A question, or the words of a command that was not taken; None: talk is nobody's alarm.
 
     Args:
         utterance: What the recogniser decided.
         ask: What is said of a phrase that is asked for.
     """
-    if utterance.command or not utterance.nearest_command or utterance.wer != 0.0:
+    is_question = utterance.reason_code == "nearly_sure"  # what sounds almost like it, too
+    is_near = utterance.nearest_command and (utterance.wer == 0.0 or is_question)
+    if utterance.command or not is_near:
         return None
     advice = UNHEARD.get(utterance.reason_code)
     if advice is None:  # it denies, or fits several: then nothing is what was wanted
         return None
     code, words = utterance.reason_code, f"{utterance.nearest_command}: {utterance.reason}"
-    if code != "nearly_sure":
+    if not is_question:
         return _refusal(advice, words, why(code))
     alarm = _refusal(advice, words, ask(utterance.nearest_command))
     return replace(alarm, earcon=Earcon.QUESTION, priority=Priority.INFORMATION)

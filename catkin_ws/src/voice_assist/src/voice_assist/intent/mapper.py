@@ -93,8 +93,8 @@ class Mapper:
             limit: Distance of their sounds from the phrase's, in [0, 1], up to which it counts.
 
         Returns:
-            None where none is so near, and for what denies, has a number or strange letters, or has
-            more words beside the phrase itself.
+            None where none is so near, and for what denies, has a number or strange letters, has a
+            halt in it, or more words beside the phrase itself.
         """
         words = self.words(transcript)
         is_other = not words or is_negated(words) or amount_words(words)
@@ -103,7 +103,9 @@ class Mapper:
         fixed = {p: own for p, own in self._phrases.items() if not amount_words(own)}
         apart = {phrase: _apart(own, words) for phrase, own in fixed.items()}
         nearest = min(apart, key=apart.__getitem__)
-        is_almost = apart[nearest] <= limit and not _has(words, fixed[nearest])
+        halts = (spelling for phrase in self._halts for spelling in self._spellings[phrase])
+        is_more = any(_has(words, said) for said in (fixed[nearest], *halts))
+        is_almost = apart[nearest] <= limit and not is_more
         return Match(nearest, self._errors(words)) if is_almost else None
 
     def words(self, transcript: str) -> Words:

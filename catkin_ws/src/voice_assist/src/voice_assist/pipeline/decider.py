@@ -174,7 +174,8 @@ class Decider:
         else:
             return None
         is_asking = self._is_asking and command.is_motion
-        if not is_asking or confidence < ask.min_confidence or odds < ask.min_verification:
+        least = min(ask.min_verification, config.motion_verification)
+        if not is_asking or confidence < ask.min_confidence or odds < least:
             return doubt
         return to_be_confirmed(ask, "nearly sure", doubt.words)
 
