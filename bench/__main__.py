@@ -35,7 +35,8 @@ def main(argv: Sequence[str]) -> int:
         return 2
     chosen = {part.name: part for name in names or measurable() for part in named(name)}
     if len(chosen) > 1:
-        return max([_by_itself(name) for name in chosen])
+        codes = [_by_itself(name) for name in chosen]  # of those that were killed, below 0
+        return int(any(codes))
     (part,) = chosen.values()
     console, key = Console(), _decisions(part)
     measure = kept(part.file, part.measure)

@@ -133,7 +133,6 @@ _SAFETY = Area(
             "safety.hang",
             (*code.HEARING, *code.VOICE_NODE),
             details=(r"p(50|95|99)$",),
-            decides="rest",
         ),
         Part(
             "safety.flood",
@@ -315,14 +314,10 @@ _COST = Area(
     "Cost of running",
     "The whole simulated system on this machine.",
     (
-        Part("system.cost", "Each node, and the start", "system.cost", code.SYSTEM, decides="rest"),
+        Part("system.cost", "Each node, and the start", "system.cost", code.SYSTEM),
         Part("system.setup", "Set-up in a fresh clone", "system.setup", code.SET_UP),
-        Part(
-            "system.loop", "The control loop under load", "system.loop", code.SYSTEM, decides="rest"
-        ),
-        Part(
-            "system.display", "The operator's page", "system.display", code.SYSTEM, decides="rest"
-        ),
+        Part("system.loop", "The control loop under load", "system.loop", code.SYSTEM),
+        Part("system.display", "The operator's page", "system.display", code.SYSTEM),
     ),
 )
 

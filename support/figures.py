@@ -187,13 +187,14 @@ def run(
         decisions: Key of what it decides on fixed clips; empty: these are no figures of that.
         is_of_other_code: Asked afterwards: whether kept pieces of other code were counted, too.
     """
-    where, code = machine(), identity(rooms)
+    where, code = machine(), keys(rooms, decisions)
     console.rule(f"{name}: {where['cpu']}, {where['cores']} cores, load {where['load_at_start']}")
     figures = measure()
-    code = SEVERAL if is_of_other_code() else code
+    if is_of_other_code():
+        code["code"] = SEVERAL
     show(figures, console)
     path = RESULTS / f"{name}.json"
-    write(path, figures, where, **{**keys(rooms, decisions), "code": code})
+    write(path, figures, where, **code)
     console.print(f"written: {path.relative_to(ROOT)}")
     return figures
 

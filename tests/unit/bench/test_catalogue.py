@@ -56,7 +56,7 @@ def test_of_several_parts_each_has_a_process_and_one_that_fails_leaves_the_other
 
     def call(command):
         calls.append(command[1:])
-        return 1 if len(calls) == 1 else 0
+        return -9 if len(calls) == 1 else 0  # killed
 
     monkeypatch.setattr(main_module.subprocess, "call", call)
     assert main_module.main(["sessions"]) == 1
