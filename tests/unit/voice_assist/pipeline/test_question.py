@@ -265,7 +265,9 @@ def test_a_stop_beside_the_answer_counts_as_beside_a_motion(score):
         assert commands(heard) == ["stop"]
 
 
-@pytest.mark.parametrize(("score", "done"), [(0.9, [Ask("tense")]), (1.5, []), (3.5, [Halt(), Call("stop")])])
+@pytest.mark.parametrize(
+    ("score", "done"), [(0.9, [Ask("tense")]), (1.5, []), (3.5, [Halt(), Call("stop")])]
+)
 def test_a_stop_beside_what_sounds_almost_like_a_motion_counts_as_beside_one(score, done):
     changes = {
         "recognizer__ask__is_enabled": True,
