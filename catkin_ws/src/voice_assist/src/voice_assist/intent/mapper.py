@@ -26,6 +26,7 @@ from voice_assist.text.normalize import (
     LONGEST,
     Words,
     as_text,
+    contains,
     foreign,
     is_negated,
     is_too_long,
@@ -104,7 +105,7 @@ class Mapper:
         apart = {phrase: _apart(own, words) for phrase, own in fixed.items()}
         nearest = min(apart, key=apart.__getitem__)
         halts = (spelling for phrase in self._halts for spelling in self._spellings[phrase])
-        is_more = any(_has(words, said) for said in (fixed[nearest], *halts))
+        is_more = any(contains(words, said) for said in (fixed[nearest], *halts))
         is_almost = apart[nearest] <= limit and not is_more
         return Match(nearest, self._errors(words)) if is_almost else None
 
@@ -215,12 +216,6 @@ def _joined(spellings: Iterable[Words]) -> dict[str, Words]:
     known = set(chain.from_iterable(every))
     joined = {"".join(words): words for words in every if len(words) > 1}
     return {word: words for word, words in joined.items() if word not in known}
-
-
-def _has(words: Words, part: Words) -> bool:
-    """Whether some of the words, side by side, are the part."""
-    size = len(part)
-    return any(words[at : at + size] == part for at in range(len(words) - size + 1))
 
 
 def _least_apart(phrase: Words, words: Words) -> float:
