@@ -11,7 +11,7 @@ import time
 import pytest
 
 from support.waiting import wait_until
-from voice_assist.pipeline.hang_detection import HangWatch, waits
+from voice_assist.pipeline.hang_detection import HangWatch, stolen, waits
 
 ALLOWED = 0.3  # [s]
 TICK = 0.05  # [s] between checks
@@ -22,12 +22,16 @@ class Machine:
 
     def __init__(self, **shares):
         self.now, self.shares = 100.0, shares
+        self.stolen = {"cpu0": 0.0, "cpu1": 0.0}  # shares of the time
 
     def read(self):
         return {name: share * self.now for name, share in self.shares.items()}
 
+    def read_stolen(self):
+        return {name: share * self.now for name, share in self.stolen.items()}
+
     def objection_after(self, seconds):
-        watch, since = HangWatch(ALLOWED, self.read), self.now
+        watch, since = HangWatch(ALLOWED, self.read, self.read_stolen), self.now
         words = ""
         for _ in range(round(seconds / TICK)):
             words = words or watch.objection(since, self.now)
@@ -53,12 +57,20 @@ def test_what_hangs_on_a_busy_machine_is_found_too_only_later():
     assert "hangs" in Machine(**shares).objection_after(2.5 * ALLOWED)
 
 
+@pytest.mark.parametrize("processor", ["cpu0", "cpu1"])
+def test_what_the_host_takes_from_a_processor_does_not_count(processor):
+    machine = Machine(hear=0.3)
+    machine.stolen[processor] = 0.4
+    assert machine.objection_after(3 * ALLOWED) == ""
+    assert "hangs" in machine.objection_after(4 * ALLOWED)
+
+
 def test_where_the_kernel_counts_nothing_all_time_counts():
     assert "hangs" in Machine().objection_after(ALLOWED + 2 * TICK)
 
 
 def test_work_that_goes_on_from_frame_to_frame_never_adds_up():
-    watch, now = HangWatch(ALLOWED, dict), 0.0
+    watch, now = HangWatch(ALLOWED, dict, dict), 0.0
     for _ in range(100):
         since, now = now, now + 0.8 * ALLOWED
         assert watch.objection(since, since) == watch.objection(since, now) == ""
@@ -67,7 +79,7 @@ def test_work_that_goes_on_from_frame_to_frame_never_adds_up():
 
 def test_a_thread_that_is_new_brings_no_wait_of_its_life_along():
     times = iter([{"hear": 1.0}, {"hear": 1.0, "new": 50.0}])
-    watch = HangWatch(ALLOWED, lambda: next(times))
+    watch = HangWatch(ALLOWED, lambda: next(times), dict)
     watch.objection(5.0, 5.0)
     assert "hangs" in watch.objection(5.0, 6.0)
 
@@ -125,3 +137,19 @@ def test_on_that_machine_a_thread_that_hangs_is_found_in_the_end(busy):
     over.set()
     thread.join()
     assert "hangs" in words
+
+
+def test_only_single_processors_are_read_and_damage_is_passed_over(tmp_path):
+    file = tmp_path / "stat"
+    line = "1 2 3 4 5 6 7 {} 0 0"
+    file.write_text(
+        f"cpu {line.format(700)}\ncpu0 {line.format(200)}\ncpu1 {line.format(500)}\nintr 5\n"
+    )
+    tick = 1.0 / os.sysconf("SC_CLK_TCK")
+    assert stolen(file) == {"cpu0": pytest.approx(200 * tick), "cpu1": pytest.approx(500 * tick)}
+    file.write_text("cpu0 1 2\n")
+    assert stolen(file) == stolen(tmp_path / "none") == {}
+
+
+def test_this_machine_counts_each_processor():
+    assert len(stolen()) == os.cpu_count()

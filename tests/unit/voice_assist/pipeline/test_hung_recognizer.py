@@ -107,7 +107,7 @@ class Room:
             "_HEARTBEAT_EVERY": 1,
             "_now": lambda: clock.now,
             "_steady": lambda: clock.now,
-            "HangWatch": lambda allowed: HangWatch(allowed, dict),  # nobody lacks a processor
+            "HangWatch": lambda allowed: HangWatch(allowed, dict, dict),  # nobody lacks a processor
             "Publishers": lambda: self,
             "CommandClient": lambda *_: caller,
             "Believed": lambda: SimpleNamespace(hear=quiet, publish_status=quiet),

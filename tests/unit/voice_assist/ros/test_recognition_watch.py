@@ -29,7 +29,7 @@ class Spotting:
 
 class Watched:
     def __init__(self, spotting):
-        self._watch = RecognitionWatch(HangWatch(LIMIT, dict), spotting, SPOTTER)
+        self._watch = RecognitionWatch(HangWatch(LIMIT, dict, dict), spotting, SPOTTER)
 
     def at(self, steady, since=BEGUN):
         return self._watch(since, steady, CLOCK + steady)
