@@ -59,7 +59,7 @@ def answer(monkeypatch, given, errors=()):
             raise ValueError(f"Parameter [{name}] is not set")
         return deepcopy(given[name])
 
-    monkeypatch.setattr(node_module, "ask_master", ask_master)
+    monkeypatch.setattr(xmlrpc, "ask_master", ask_master)
 
 
 class From:

@@ -7,14 +7,13 @@ import re
 import threading
 from collections.abc import Iterable
 from functools import partial
-from typing import cast
 
 import rospy
 
 from session_log.recording.namespace import SHARED_TOPICS, Namespace
 from session_log.recording.recorder import Recorder, TopicTally
 from session_log.types import MessageSource
-from typed_config.ros.xmlrpc import ask_master
+from typed_config.ros.xmlrpc import published_topics
 
 IDENTITY = ("callerid", "type", "md5sum", "latching")  # of a connection: one source each
 RECEIVE_BUFFER = 1 << 20  # [B] taken from a socket at once
@@ -103,7 +102,7 @@ class Discovery:
 
     def _search(self) -> str:
         try:
-            for topic, _ in cast(list[tuple[str, str]], ask_master("getPublishedTopics", "")):
+            for topic, _ in published_topics():
                 self._subscriber.subscribe(topic)
         except Exception as error:  # top of the thread: the next search may succeed
             return f"cannot look for new topics: {error}"

@@ -15,7 +15,7 @@ import time
 from collections import deque
 from contextlib import suppress
 from queue import Empty, Queue
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import roslib.message
 import rospy
@@ -27,7 +27,7 @@ from session_log.types import URDF_TOPIC
 from typed_config import package_file
 from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
-from typed_config.ros.xmlrpc import FAILURES, ask_master
+from typed_config.ros.xmlrpc import FAILURES, parameter, published_topics
 
 if TYPE_CHECKING:
     import foxglove
@@ -75,7 +75,7 @@ class LiveTopics:
         """Offer the topics that are new."""
         if URDF_TOPIC not in self._channels:
             self._add(URDF_TOPIC, "", String)
-        for name, kind in cast(list[tuple[str, str]], ask_master("getPublishedTopics", "")):
+        for name, kind in published_topics():
             shown = self._namespace.recorded(name)
             is_ours = self._namespace.has_topic(name)
             if shown in self._channels or shown in self._refused or not is_ours:
@@ -120,7 +120,8 @@ class LiveTopics:
         if topic == URDF_TOPIC:
             self._latched.pop(topic, None)
             with suppress(*FAILURES):  # it is asked again
-                data = _urdf().encode()
+                urdf = parameter(rospy.resolve_name("robot_description"))
+                data = str(urdf or "").encode()
                 self._latched[topic] = len(data).to_bytes(4, "little") + data
         elif topic not in self._subscribers:
             self._latched.pop(topic, None)
@@ -156,19 +157,6 @@ class LiveTopics:
         if message._connection_header.get("latching") == "1":
             self._latched[topic] = message._buff
         self._channels[topic].log(message._buff)
-
-
-def _urdf() -> str:
-    """The URDF of the parameter server; empty: it has none.
-
-    Raises:
-        FAILURES: The master does not answer in time.
-    """
-    name = rospy.resolve_name("robot_description")
-    try:
-        return str(ask_master("getParam", name))
-    except ValueError:  # it is not set, or not yet
-        return ""
 
 
 def serve(config: FoxgloveConfig) -> None:

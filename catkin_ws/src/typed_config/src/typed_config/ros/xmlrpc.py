@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import http.client
 import xmlrpc.client
-from typing import Final
+from typing import Final, cast
 from xml.parsers.expat import ExpatError
 
 import rosgraph
@@ -55,6 +55,19 @@ def ask(uri: str, method: str, *arguments: object) -> object:
 def ask_master(method: str, *arguments: object) -> object:
     """Call one method of the ROS master; raises what `ask` does."""
     return ask(rosgraph.get_master_uri(), method, CALLER, *arguments)
+
+
+def parameter(name: str) -> object | None:
+    """A parameter of the master by its full name, None: it is not set; raises what `ask` does."""
+    try:
+        return ask_master("getParam", name)
+    except ValueError:
+        return None
+
+
+def published_topics() -> list[tuple[str, str]]:
+    """Name and type of each topic that has a publisher; raises what `ask` does."""
+    return cast(list[tuple[str, str]], ask_master("getPublishedTopics", ""))
 
 
 def value_of(answer: object) -> object:

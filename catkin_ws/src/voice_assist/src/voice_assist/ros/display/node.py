@@ -17,7 +17,7 @@ from rst_control.msg import ControllerState
 from typed_config import ConfigError, load_config
 from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
-from typed_config.ros.xmlrpc import FAILURES, ask_master
+from typed_config.ros.xmlrpc import FAILURES, parameter
 from voice_assist.config import CommandConfig, CommandsConfig
 from voice_assist.config.believed import believed_config
 from voice_assist.config.display import FILE, DisplayConfig
@@ -145,11 +145,8 @@ class DisplayNode:
 
 
 def _parameter(name: str) -> object:
-    """A parameter, None if it is not set; raises FAILURES soon where a master hangs."""
-    try:
-        return ask_master("getParam", rospy.resolve_name(name))
-    except ValueError:
-        return None
+    """One of ours, None if it is not set; raises FAILURES soon where a master hangs."""
+    return parameter(rospy.resolve_name(name))
 
 
 def _number(name: str) -> float | None:
