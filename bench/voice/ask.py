@@ -18,7 +18,8 @@ from bench.voice.hearing.replay_stream import SoundScene
 from bench.voice.material.foreign_clips import by_espeak
 from bench.voice.material.held_out_voices import SyntheticVoice, foreigners, natives, spread
 from bench.voice.material.mixing import PER_CHUNK, StreamedTrial, stream_of, trials_of
-from bench.voice.material.synthesis import TALK, SpokenClip, recorded, spoken
+from bench.voice.material.synthesis import SpokenClip, spoken
+from bench.voice.no_commands import armed
 from bench.voice.outcomes import motions
 from bench.voice.trials import MOTIONS
 from support.figures import Figure, rate, share
@@ -28,7 +29,7 @@ from voice_assist.types import RATE, Mode
 SEED = 23
 YES, OTHERS = "yes", ("no", "okay", "thank you", "next one please")
 SNR = 0.0  # [dB] of commands over the noise of a theatre
-TALK_EVERY = 6  # of people's clips of talk, one in so many
+PEOPLE = "human speech, armed"
 ASKED = "nearly sure;"  # how the reason of a question begins
 
 
@@ -62,10 +63,11 @@ def measure() -> list[Figure]:
 def _of(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
     asked = [r for r in records if any(one.why.startswith(ASKED) for one in r.heard.said)]
     n = len(records)
-    if name == "human talk":
+    if name == PEOPLE:
         hours = sum(r.label["seconds"] for r in records) / 3600.0
         moved = [r for r in records if not motions().isdisjoint(r.heard.taken)]
-        return [rate(f"{name}: questions", len(asked), hours), _moved(name, moved, n, 0.0)]
+        questions = rate(f"{name}: questions", len(asked), hours, note=_words(asked))
+        return [questions, _moved(name, moved, n, 0.0)]
     figures = [Figure(f"{name}: asked for", len(asked), "", note=f"(of {n})")]
     if name.startswith("commands"):
         right = [r for r in records if r.label["text"] in r.heard.taken]
@@ -82,8 +84,13 @@ def _of(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
 
 
 def _moved(name: str, moved: Sequence[SceneRecord], n: int, target: float | None = None) -> Figure:
-    said = ", ".join(sorted({str(r.label["text"]) for r in moved}))
-    return share(f"{name}: false motions", len(moved), n, target, at_most=True, note=said)
+    note = _words(moved)
+    return share(f"{name}: false motions", len(moved), n, target, at_most=True, note=note)
+
+
+def _words(records: Sequence[SceneRecord]) -> str:
+    """What was said in them."""
+    return ", ".join(sorted({str(r.label["text"] or "talk") for r in records}))
 
 
 def _plans() -> dict[str, list[AskTrial]]:
@@ -92,13 +99,12 @@ def _plans() -> dict[str, list[AskTrial]]:
     accents = spoken(spread(MOTIONS, foreigners().present, 2, SEED))
     native = spoken(spread(MOTIONS, natives().present, 2, SEED))
     noisy = [StreamedTrial(c, i, background="theatre", snr=SNR) for i, c in enumerate(native)]
-    talk = [clip for clip in recorded(TALK) if not clip.text][::TALK_EVERY]
     return {
         "commands, accents": _answered(trials_of(accents), (YES,)),
         "commands, 0 dB": _answered(noisy, (YES,)),
         "strange words, then yes": _answered(trials_of(words), (YES,)),
         "strange words, then others": _answered(trials_of(words), OTHERS),
-        "human talk": [AskTrial(trial, None) for trial in trials_of(talk)],
+        PEOPLE: [AskTrial(trial, None) for trial in trials_of(armed.clips())],
     }
 
 
