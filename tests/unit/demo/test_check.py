@@ -75,6 +75,21 @@ def test_a_step_happened_only_when_its_effect_was_seen(
     assert [v.happened for v in verdicts(script, observed)] == [happened]
 
 
+@pytest.mark.parametrize(("heard_at", "happened"), [(2.0, True), (3.2, True), (4.2, False)])
+def test_a_motion_that_is_stopped_next_may_begin_while_that_is_said(heard_at, happened):
+    said = ((1.0, "pull more", "moving"), (3.0, "stop", "stopped"), (4.0, "hey robot", "cleared"))
+    steps = tuple(ScriptStep(at=t, speaker="surgeon", say=w, effect=e) for t, w, e in said)
+    rest = {"active": True, "tissue_held": True, "tension": 0.5, "rcm_error": 0.0}
+    samples = ((0.9, 0.0), (heard_at + 0.1, 0.01), (4.9, 0.0))
+    states = [
+        ControllerSample(time=t, state="active", halted=False, path_speed=v, **rest)
+        for t, v in samples
+    ]
+    observed = Observed(states, [HeardUtterance(heard_at, "pull more", "pull more")])
+    script = Script(speech=SPEECH, duration=5.0, steps=steps)
+    assert verdicts(script, observed)[0].happened is happened
+
+
 def test_silence_of_the_controller_is_a_step_that_did_not_happen():
     script, _ = session("tense", "tense", "tense", {}, {})
     verdict = verdicts(script, Observed())[0]
