@@ -98,6 +98,17 @@ def test_a_recovered_copy_has_a_report_of_its_own_beside_its_original(tmp_path):
     assert report_folder(tmp_path / "session.mcap") == tmp_path
 
 
+def test_a_report_lies_beside_its_recording_whatever_lies_in_folders_below(tmp_path, monkeypatch):
+    """A recording may lie in a home folder: to search all of it takes long."""
+    (tmp_path / "bag.mcap").write_bytes(b"alone here")
+    (tmp_path / "below").mkdir()
+    (tmp_path / "below" / "other.mcap").write_bytes(b"elsewhere")
+    monkeypatch.setattr(Path, "rglob", pytest.fail)
+    assert report_folder(tmp_path / "bag.mcap") == tmp_path
+    (tmp_path / "other.mcap").write_bytes(b"beside it")
+    assert report_folder(tmp_path / "bag.mcap") == tmp_path / "bag"
+
+
 def test_a_recording_of_any_other_ending_has_a_place_for_its_report(tmp_path):
     (tmp_path / "session.mcap.old").write_bytes(b"alone")
     assert report_folder(tmp_path / "session.mcap.old") == tmp_path

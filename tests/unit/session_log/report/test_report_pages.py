@@ -42,6 +42,15 @@ def test_a_page_with_voices_does_not_stay_where_none_are_wanted(session, report_
     assert "data:audio" in report_many(session, report_config)
 
 
+def test_a_page_is_kept_apart_from_the_page_over_all_in_the_same_folder(session, report_config):
+    top = session.parents[1]
+    bag = session.rename(top / "bag.mcap")
+    report = write_folder_report([top], top, report_config, beside=True)
+    assert report.page == top / "report.html"
+    assert 'href="bag/report.html"' in report.page.read_text("utf-8")
+    assert "Session bag" in (bag.with_suffix("") / "report.html").read_text("utf-8")
+
+
 def test_a_note_comes_onto_the_page_though_its_summary_is_newer(session, report_config):
     assert "a cough" not in report_many(session, report_config)
     add_note(session, Note("a cough"))

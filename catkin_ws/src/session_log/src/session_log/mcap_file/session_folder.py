@@ -11,6 +11,7 @@ from session_log.errors import RecordingFailed, SessionMissing
 from session_log.mcap_file.writer import SessionWriter
 from typed_config import RECORDING, number_of, numbered_recordings, repository
 
+MCAP = "*.mcap"
 RECOVERED = "_recovered"  # at the end of the name of a recovered copy
 
 
@@ -58,7 +59,7 @@ def recordings(inputs: Iterable[Path]) -> list[Path]:
     for path in inputs:
         if not path.exists():
             raise SessionMissing(path, "no such file or folder")
-        below = [path] if path.is_file() else _found_below(path)
+        below = [path] if path.is_file() else _originals(path.rglob(MCAP))
         if not below:
             raise SessionMissing(path, "a folder without any recording (*.mcap) in or below it")
         for recording in below:
@@ -81,12 +82,14 @@ def report_folder(recording: Path) -> Path:
     if recording.name == RECORDING:
         return folder
     mine = recording.resolve()
-    has_others = _is_copy(recording) or any(r.resolve() != mine for r in _found_below(folder))
+    has_others = _is_copy(recording) or any(
+        r.resolve() != mine for r in _originals(folder.glob(MCAP))
+    )
     return folder / recording.stem if has_others else folder
 
 
-def _found_below(folder: Path) -> list[Path]:
-    files = sorted(filter(Path.is_file, folder.rglob("*.mcap")))
+def _originals(found: Iterable[Path]) -> list[Path]:
+    files = sorted(filter(Path.is_file, found))
     return [recording for recording in files if not _is_copy(recording)]
 
 

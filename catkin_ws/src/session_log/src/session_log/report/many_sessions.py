@@ -81,7 +81,7 @@ def write_folder_report(
         EngineMissing, EngineUnreachable: See `run_parallel`.
         OutputFailed: The output cannot be written.
     """
-    tasks = list(_tasks(recordings(inputs), None if beside else out / PAGES_FOLDER))
+    tasks = list(_tasks(recordings(inputs), out, beside=beside))
     pool = Pool(config)
     work = partial(_reduce, config=config, with_page=with_pages)
     for task, found in run_parallel(work, tasks, min(jobs, len(tasks)), cluster):
@@ -99,9 +99,11 @@ def write_folder_report(
         raise OutputFailed(out, error) from error
 
 
-def _tasks(paths: Iterable[Path], pages: Path | None) -> Iterator[Task]:
+def _tasks(paths: Iterable[Path], out: Path, *, beside: bool) -> Iterator[Task]:
     for path in paths:
-        yield Task(path, report_folder(path) if pages is None else pages / _page_name(path))
+        folder = report_folder(path) if beside else out / PAGES_FOLDER / _page_name(path)
+        is_taken = folder.resolve() == out.resolve()  # by the page over all
+        yield Task(path, folder / path.stem if is_taken else folder)
 
 
 def _page_name(path: Path) -> str:
