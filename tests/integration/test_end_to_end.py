@@ -18,6 +18,7 @@ from demo.check import REST
 from demo.page import SCREENS
 from demo.script import load_script
 from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.summary import read_summary
 from session_log.recording import metadata
 from support.browser import MISSING, find_browser
 from tests.integration.heeding import heed
@@ -151,7 +152,7 @@ def test_the_message_classes_of_ros_read_every_message_and_write_the_same_bytes(
 def test_the_recording_says_by_what_it_was_made(session):
     folder, _ = session
     reader = SessionReader(folder)
-    condition = reader.check()
+    condition = read_summary(reader).condition
     assert (condition.is_closed, condition.checksum, condition.damage) == (True, "good", [])
     voice = condition.latest("session/voice_assist")
     assert voice["model"] and re.fullmatch("[0-9a-f]{64}", voice["model_sha256"])

@@ -286,5 +286,5 @@ def test_the_launch_file_records_into_the_folder_it_is_given(ros, tmp_path):
     finally:
         launch.send_signal(signal.SIGINT)
         launch.wait(PATIENCE)
-    condition = SessionReader(folder).check()
+    condition = read_summary(SessionReader(folder)).condition
     assert condition.is_closed and condition.checksum == "good"

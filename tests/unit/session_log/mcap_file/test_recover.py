@@ -6,8 +6,9 @@ from session_log.errors import OutputFailed
 from session_log.mcap_file.encoding import WrongEncoding
 from session_log.mcap_file.reader import FileCondition, SessionReader
 from session_log.mcap_file.recover import recover
-from session_log.mcap_file.summary import RecordingSummary
+from session_log.mcap_file.summary import RecordingSummary, read_summary
 from session_log.types import Message, MessageSource
+from support.story import recording_of
 from tests.unit.session_log.support.foreign import EARLIER, NOW, write_foreign
 from tests.unit.session_log.support.unchunked import UnchunkedWriter
 
@@ -32,9 +33,10 @@ def test_the_copy_says_what_it_was_made_from(story, tmp_path):
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(path.read_bytes()[:-5000])
     recover(SessionReader(cut), tmp_path / "new.mcap")
-    account = SessionReader(tmp_path / "new.mcap").check().latest("recovered")
+    condition = read_summary(SessionReader(tmp_path / "new.mcap")).condition
+    account = condition.latest("recovered")
     assert account["from"] == "cut.mcap" and account["was_closed"] == "False"
-    assert SessionReader(tmp_path / "new.mcap").check().latest("session")["seed"] == "7"
+    assert condition.latest("session")["seed"] == "7"
 
 
 def test_an_existing_copy_is_not_overwritten(story, tmp_path):
@@ -79,6 +81,57 @@ def test_a_copy_keeps_the_time_of_publishing(tmp_path):
     with (tmp_path / "new.mcap").open("rb") as file:
         ((_, _, message),) = make_reader(file).iter_messages()
     assert (message.publish_time, message.log_time) == (NOW - EARLIER, NOW)
+
+
+SIMULATED = [k * 10**9 for k in range(5)]  # [ns]
+UNORDERED = [NOW + k * 10**9 for k in (3, 4, 0, 1, 2)]  # [ns]
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        {},
+        {"times": UNORDERED},
+        {"times": SIMULATED, "use_chunking": False},
+        {"times": UNORDERED, "chunk_size": 1, "use_statistics": False, "repeat_channels": False},
+        {"private": (0x81, b"its own"), "use_chunking": False},
+        {"private": (0x80, b"its own"), "use_chunking": False},
+        {"private": (0x80, b"like a check"), "use_chunking": False},
+    ],
+    ids=lambda made: "-".join(made) or "numbers",
+)
+def test_nothing_is_said_to_be_lost_of_a_sound_file_of_another_writer(tmp_path, made):
+    encodings = {"message_encoding": "ros1", "schema_encoding": "ros1msg"}
+    path = write_foreign(tmp_path / "s.mcap", ("/a", "/b"), **encodings, **made)
+    count = 2 * len(made.get("times", [NOW]))
+    source = path
+    for name in ("copy.mcap", "copy of a copy.mcap"):
+        recover(SessionReader(source), tmp_path / name)
+        for read in (read_summary(SessionReader(p)) for p in (source, tmp_path / name)):
+            assert read.messages == count and not read.condition.damage
+            assert (read.missing, read.clock_steps, read.cuts) == (0, [], [])
+        source = tmp_path / name
+    before, after = list(SessionReader(path).messages()), list(SessionReader(source).messages())
+    assert [m[1:] for m in after] == [m[1:] for m in before]
+
+
+def test_what_a_damaged_file_of_another_writer_lost_is_said(tmp_path):
+    encodings = {"message_encoding": "ros1", "schema_encoding": "ros1msg"}
+    options = {"times": UNORDERED, "chunk_size": 1}
+    path = write_foreign(tmp_path / "s.mcap", **encodings, **options)
+    content = bytearray(path.read_bytes())
+    content[content.index(b"/t") + 400] ^= 0xFF
+    path.write_bytes(content)
+    assert recover(SessionReader(path), tmp_path / "new.mcap").condition.damage
+    assert read_summary(SessionReader(tmp_path / "new.mcap")).cuts
+
+
+def test_a_copy_of_a_recording_of_ours_still_says_what_is_missing(tmp_path):
+    source = MessageSource("/t", "std_msgs/String", "99" * 16, "string data", "/p")
+    path = tmp_path / "s.mcap"
+    recording_of(path, [Message(source, b"\0\0\0\0", NOW + k, k) for k in (1, 4)])
+    assert recover(SessionReader(path), tmp_path / "new.mcap").missing == 2
+    assert read_summary(SessionReader(tmp_path / "new.mcap")).missing == 2
 
 
 def test_a_damaged_encoding_in_a_file_of_ours_is_no_other_encoding(tmp_path):

@@ -134,7 +134,7 @@ def test_gaps_in_the_publishers_own_count_are_reported_and_recorded(tmp_path, re
         recorder.offer(tally, serialise(message))
     assert recorder.status().missed == 3
     recorder.close()
-    losses = SessionReader(tmp_path / "s.mcap").check().latest("losses")
+    losses = read_summary(SessionReader(tmp_path / "s.mcap")).losses
     assert losses == {"/rst_control/event from /controller": "0 dropped, 3 missed"}
 
 
@@ -155,7 +155,7 @@ def test_metadata_may_come_at_any_time_and_the_last_of_a_name_counts(tmp_path, r
     recorder.add_metadata("parameters", {"gain": "1"})
     recorder.add_metadata("parameters", {"gain": "2"})
     recorder.close()
-    condition = SessionReader(tmp_path / "s.mcap").check()
+    condition = read_summary(SessionReader(tmp_path / "s.mcap")).condition
     assert condition.latest("parameters") == {"gain": "2"}
     assert [name for name, _ in condition.metadata] == ["parameters", "parameters"]
 

@@ -66,8 +66,8 @@ class TopicCount:
     messages: int = 0
     size: int = 0  # [B] of message data
     missing: int = 0  # gaps in the sequence: received but not in the file
-    first: int = 0  # [ns] log time
-    last: int = 0  # [ns] log time
+    first: int = 0  # [ns] log time, by the clock as it was when the recording began
+    last: int = 0  # [ns] likewise
     publishers: set[str] = field(default_factory=set)
 
     @property

@@ -4,7 +4,8 @@
 MCAP has a checksum over the whole file, which a killed recorder never writes, and none per message:
 one flipped bit in a length makes a shorter message that looks sound. So each commit ends with a
 checksum. What no checksum confirms is left out. Two things are read without one: the end of a file,
-which may have been cut off before its checksum, and files of other writers, which have none.
+which may have been cut off before its checksum, and files of other writers, which have none. They
+may have a record of their own that looks like one, so there one has to be right before any counts.
 """
 
 from __future__ import annotations
@@ -46,17 +47,25 @@ class RecordBuffer:
         records, self._records, self._size = self._records, [], 0
         yield from records
 
-    def open(self, record: McapRecord) -> Iterator[McapRecord]:
-        """Yield what a checksum confirms; `broken` is the damage that is left out."""
+    def open(self, record: McapRecord, *, is_foreign: bool) -> Iterator[McapRecord]:
+        """Yield what a checksum confirms; `broken` is the damage that is left out.
+
+        Args:
+            record: The checksum.
+            is_foreign: The file seems to be of another writer.
+        """
         length, expected = CHECKSUM_BODY.unpack_from(record.body)
         begin = record.offset - length
         held = list(self.release())
         is_sound = begin >= 0 and checksum(self._file, begin, length) == expected
+        self.broken = None
+        if is_foreign and not (is_sound or self._has_checksums):
+            yield from held
+            return
         self._has_checksums = True
         first_kept = begin if is_sound else record.offset
         kept = [r for r in held if r.offset >= first_kept]
         lost = len(held) - len(kept)
-        self.broken = None
         if lost or not is_sound:
             first = min(held[0].offset if lost else first_kept, max(begin, 0))
             self.broken = _lost(first, first_kept, lost)

@@ -17,7 +17,7 @@ from mcap.records import Channel, Header, Metadata, Schema
 from session_log.errors import NotASession, SessionMissing
 from session_log.mcap_file import checksums, records
 from session_log.mcap_file.chunk import UNREADABLE, content_of, places_of
-from session_log.mcap_file.records import MAGIC, McapRecord, RecordWalker
+from session_log.mcap_file.records import CHECKSUM_BODY, MAGIC, McapRecord, RecordWalker
 from session_log.mcap_file.writer import LIBRARY
 from session_log.types import MESSAGE_ENCODING, SCHEMA_ENCODING, Damage, Message, MessageSource
 from typed_config import RECORDING, newest_recording
@@ -35,9 +35,14 @@ class FileCondition:
     size: int = 0  # [B]
     is_closed: bool = False  # has its ending: the recorder was not killed
     checksum: str = "none"  # good, wrong or none
-    library: str = ""  # what wrote the file
+    library: str = ""  # what wrote the file; empty: its header is lost
     damage: list[Damage] = field(default_factory=list)
     metadata: list[tuple[str, dict[str, str]]] = field(default_factory=list)
+
+    @property
+    def is_foreign(self) -> bool:
+        """Whether another program wrote the file; not known without a header."""
+        return bool(self.library) and not self.library.startswith(LIBRARY)
 
     def latest(self, name: str) -> dict[str, str]:
         """Return the last metadata record of a name; empty if there is none."""
@@ -69,12 +74,6 @@ class SessionReader:
         """Yield every readable message of the given topics (None: all) in the order of the file."""
         with _open(self.path) as file:
             yield from _Pass(file, self._start, self._new_condition()).messages(topics)
-
-    def check(self) -> FileCondition:
-        """Read through the whole file and give its condition."""
-        for _ in self.messages(()):
-            pass
-        return self.condition
 
     def _new_condition(self) -> FileCondition:
         self.condition = FileCondition(size=self.path.stat().st_size)
@@ -108,8 +107,9 @@ class _Pass:
     def _take(self, record: McapRecord, topics: Collection[str] | None) -> Iterator[Message]:
         if record.opcode in (records.MESSAGE, records.METADATA):
             yield from self._given(self._held.hold(record), topics)
-        elif record.opcode == records.CHECKSUM:
-            yield from self._given(self._held.open(record), topics)
+        elif record.opcode == records.CHECKSUM and len(record.body) == CHECKSUM_BODY.size:
+            opened = self._held.open(record, is_foreign=self._condition.is_foreign)
+            yield from self._given(opened, topics)
             self._note_broken()
         elif record.opcode == records.DATA_END:
             yield from self._given(self._held.finish(record), topics)
@@ -159,7 +159,7 @@ class _Pass:
                 self._add_channel(Channel.read(_stream(record.body)))
                 self._named_at = record.offset
             elif record.opcode == records.HEADER:
-                self._condition.library = Header.read(_stream(record.body)).library
+                self._condition.library = Header.read(_stream(record.body)).library or "unknown"
             elif record.opcode == records.METADATA:
                 entry = Metadata.read(_stream(record.body))
                 self._condition.metadata.append((entry.name, entry.metadata))
@@ -198,7 +198,7 @@ class _Pass:
         Another than that of ROS 1 is damage in a file of ours, and where the channel has an MD5
         sum, which only ROS 1 knows.
         """
-        if self._condition.library == LIBRARY or "md5sum" in channel.metadata:
+        if self._condition.library.startswith(LIBRARY) or "md5sum" in channel.metadata:
             return MESSAGE_ENCODING, SCHEMA_ENCODING
         lost = SCHEMA_ENCODING if channel.message_encoding == MESSAGE_ENCODING else ""
         return channel.message_encoding, schema.encoding if schema else lost
@@ -237,11 +237,16 @@ class _Pass:
         length = records.HEAD.size + len(record.body)
         self._condition.damage.append(Damage(record.offset, length, what))
 
-    def _accepts(self, opcode: int, begin: bytes) -> bool:
-        if opcode != records.MESSAGE:
-            return records.HEADER <= opcode <= records.DATA_END or opcode == records.CHECKSUM
-        channel, _, log_time, _ = _MESSAGE.unpack_from(begin)
-        return channel in self._channels and _EARLIEST < log_time < _LATEST
+    def _accepts(self, opcode: int, length: int, begin: bytes) -> bool:
+        is_foreign = self._condition.is_foreign
+        if opcode == records.MESSAGE:
+            channel, _, log_time, _ = _MESSAGE.unpack_from(begin)
+            earliest = 0 if is_foreign else _EARLIEST  # a simulated clock begins at zero
+            return channel in self._channels and earliest <= log_time < _LATEST
+        if opcode == records.CHECKSUM and length == CHECKSUM_BODY.size:
+            return True
+        is_private = is_foreign and opcode >= records.CHECKSUM  # to another program
+        return is_private or records.HEADER <= opcode <= records.DATA_END
 
     def _learn_from_ending(self) -> None:
         """Take schemas and channels from the summary, if any: they may be damaged above it."""

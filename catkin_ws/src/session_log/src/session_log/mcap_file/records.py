@@ -21,7 +21,6 @@ METADATA, DATA_END = 0x0C, 0x0F
 CHECKSUM = 0x80  # ours: MCAP leaves opcodes from 0x80 on to applications, and readers skip them
 CHECKSUM_BODY = struct.Struct("<QI")  # how many bytes before this record it covers, their CRC-32
 SHORTEST = {HEADER: 8, FOOTER: 20, SCHEMA: 14, CHANNEL: 16, MESSAGE: 22, CHUNK: 40, DATA_END: 4}
-SHORTEST[CHECKSUM] = CHECKSUM_BODY.size
 _CANDIDATE = re.compile(rb"(?=[\x01-\x0f\x80][\s\S]{4}\x00{4})")  # opcode, length below 4 GiB
 
 
@@ -39,10 +38,10 @@ class RecordWalker:
 
     Args:
         file: Open for reading in binary, seekable.
-        accepts: Tells whether a record's first bytes (opcode, start of body) make sense.
+        accepts: Tells whether a record makes sense, by opcode, length [B] and start of its body.
     """
 
-    def __init__(self, file: BinaryIO, accepts: Callable[[int, bytes], bool]) -> None:
+    def __init__(self, file: BinaryIO, accepts: Callable[[int, int, bytes], bool]) -> None:
         self._file, self._accepts = file, accepts
         self._size = file.seek(0, 2)
         self._known = (-1, 0, 0)  # position, opcode and length of the sound record found last
@@ -89,9 +88,7 @@ class RecordWalker:
         fits = length <= LONGEST and position + HEAD.size + length <= self._size
         if not fits or length < SHORTEST.get(self._opcode, 0):
             return None
-        if self._opcode == CHECKSUM and length != CHECKSUM_BODY.size:
-            return None
-        if not self._accepts(self._opcode, head[HEAD.size :]):
+        if not self._accepts(self._opcode, length, head[HEAD.size :]):
             return None
         self._known = position, self._opcode, length
         return length

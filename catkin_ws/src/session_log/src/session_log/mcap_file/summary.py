@@ -83,20 +83,28 @@ class _SourceCount:
 
 
 class MessageCounter:
-    """Counts messages as they pass."""
+    """Counts the messages of a recording as they pass.
 
-    def __init__(self) -> None:
+    Args:
+        reader: The recording.
+    """
+
+    def __init__(self, reader: SessionReader) -> None:
+        self._reader = reader
         self.topics: dict[str, TopicCount] = {}
         self.clock_steps: list[ClockStep] = []
         self._sources: dict[MessageSource, _SourceCount] = {}
         self._now = 0  # [ns] log time of the latest message
+        self._set_back = 0  # [ns] by which the clock was, in all
 
     def add(self, message: Message) -> None:
         """Count one message."""
         source, data, log_time, sequence, _ = message
-        if log_time < self._now - CLOCK_STEP:
+        if log_time < self._now - CLOCK_STEP and self._is_ours:
             self.clock_steps.append(ClockStep(self._now, log_time))
+            self._set_back += self._now - log_time
         self._now = log_time
+        log_time += self._set_back
         known = self._sources.get(source) or self._new(source, log_time)
         if sequence > known.sequence + 1:
             known.topic.missing += sequence - known.sequence - 1
@@ -115,27 +123,31 @@ class MessageCounter:
         self._sources[source] = _SourceCount(count)
         return self._sources[source]
 
-    def summary(self, condition: FileCondition) -> RecordingSummary:
-        """Sum up; gaps and steps back in time mean something only in files of our recorder."""
-        if condition.library != LIBRARY:
+    @property
+    def _is_ours(self) -> bool:
+        """Whether gaps and steps back in time mean something: only in files of our recorder."""
+        return self._reader.condition.library == LIBRARY
+
+    def summary(self) -> RecordingSummary:
+        """Sum up what has passed."""
+        if not self._is_ours:
             for count in self.topics.values():
                 count.missing = 0
-            self.clock_steps.clear()  # and its order of time
-        return RecordingSummary(condition, self.topics, self.clock_steps)
+        return RecordingSummary(self._reader.condition, self.topics, self.clock_steps)
 
-    def counting(self, messages: Iterator[Message]) -> Iterator[Message]:
-        """Pass messages on and count them."""
-        for message in messages:
+    def messages(self) -> Iterator[Message]:
+        """Read all messages, count them and pass them on."""
+        for message in self._reader.messages():
             self.add(message)
             yield message
 
 
 def read_summary(reader: SessionReader) -> RecordingSummary:
     """Read through a recording and count."""
-    counter = MessageCounter()
-    for _ in counter.counting(reader.messages()):
+    counter = MessageCounter(reader)
+    for _ in counter.messages():
         pass
-    return counter.summary(reader.condition)
+    return counter.summary()
 
 
 def _cut(account: dict[str, str]) -> str:

@@ -62,12 +62,13 @@ class SessionWriter:
 
     Args:
         path: File to create; it must not exist.
+        library: What the file says that it was written by; begins with ours.
 
     Raises:
         RecordingFailed: The file cannot be created or written.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, library: str = LIBRARY) -> None:
         self.path = path
         self._stream = DurableStream(path)
         self._mcap = LibraryWriter(
@@ -78,7 +79,7 @@ class SessionWriter:
         )
         self._channels: dict[MessageSource, int] = {}
         self._schemas: dict[tuple[str, str], int] = {}
-        self._mcap.start(profile="ros1", library=LIBRARY)
+        self._mcap.start(profile="ros1", library=library)
         try:
             self.commit()
         except RecordingFailed:  # the caller tries again with a file of another name

@@ -44,12 +44,12 @@ QUIETEST = -90.0  # [dBFS] digital silence is drawn here
 
 def extract(reader: SessionReader, config: ReportConfig) -> SessionData:
     """Take the tables, events and pictures of a session in one pass."""
-    counter = MessageCounter()
+    counter = MessageCounter(reader)
     data = SessionData(RecordingSummary(reader.condition, counter.topics))
     extractor = _Extractor(data, config)
-    for message in counter.counting(reader.messages()):
+    for message in counter.messages():
         extractor.add(message)
-    data.recording = counter.summary(reader.condition)
+    data.recording = counter.summary()
     extractor.finish()
     return data
 
