@@ -20,6 +20,7 @@ from support.product_code import beside_hearing, identity
 PAGE, FRONT = ROOT / "docs" / "measured.md", ROOT / "README.md"
 BEGIN, END = "<!-- figures: by `make figures` -->", "<!-- end of figures -->"
 NOTHING = "-"
+STOLEN = 0.005  # share of the processors that a host may take without a word
 FEW = "met, few trials"  # the bound with 95 % does not reach the target
 SHARES = ("of all", "of commands", "of clips", "of sounds", "of words", "right")  # as older results
 LARGE, SMALL = 1e4, 1e-3  # from and below which a value is not written with four digits
@@ -141,6 +142,8 @@ def _circumstances(result: Result, command: str) -> Iterator[str]:
     yield f"{where.get('date', NOTHING)}, commit {where.get('commit', NOTHING)},"
     yield f"{where.get('cpu', NOTHING)}, {where.get('cores', NOTHING)} cores,"
     yield f"load {where.get('load_at_start', NOTHING)} at the start."
+    if (stolen := where.get("stolen", 0.0)) >= STOLEN:
+        yield f"The host of this virtual machine took {100.0 * stolen:.0f} % of the processors."
     hidden = len([f for f in result.figures if f.name != MEASURED]) - len(result.shown())
     if hidden:
         yield f"{hidden} more figures: [{part.file}.json](../bench/results/{part.file}.json)."

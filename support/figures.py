@@ -10,6 +10,7 @@ import datetime
 import json
 import os
 import subprocess
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -23,6 +24,7 @@ from session_log.recording.metadata import machine_facts
 from session_log.report import bounds
 from support.product_code import HEARING, beside_hearing, identity
 from voice_assist.evaluation.exact_bounds import rate_at_most
+from voice_assist.pipeline.hang_detection import stolen
 
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "bench" / "results"
@@ -149,7 +151,7 @@ def percentiles(
     return [*found, Figure(f"{name} max", float(np.max(values)), unit, targets.get(100))]
 
 
-def machine() -> dict[str, str | float]:
+def machine() -> dict[str, Any]:
     """Name the machine, the date and the commit of a measurement."""
     facts = machine_facts()
     commit = subprocess.run(
@@ -189,7 +191,9 @@ def run(
     """
     where, code = machine(), keys(rooms, decisions)
     console.rule(f"{name}: {where['cpu']}, {where['cores']} cores, load {where['load_at_start']}")
+    before, began = _stolen(), time.monotonic()
     figures = measure()
+    where["stolen"] = round((_stolen() - before) / (time.monotonic() - began), 3)
     if is_of_other_code():
         code["code"] = SEVERAL
     show(figures, console)
@@ -197,6 +201,12 @@ def run(
     write(path, figures, where, **code)
     console.print(f"written: {path.relative_to(ROOT)}")
     return figures
+
+
+def _stolen() -> float:
+    """How long the host has used one of the processors so far, on average [s]."""
+    times = list(stolen().values())
+    return sum(times) / max(1, len(times))
 
 
 def keys(rooms: Sequence[str], decisions: str) -> dict[str, str]:

@@ -2,8 +2,10 @@
 """The page of figures, from results of every age."""
 
 import json
+from functools import partial
 
 import pytest
+from rich.console import Console
 
 from bench import page
 from bench.catalogue import AREAS, measurable, parts
@@ -46,6 +48,23 @@ def test_a_figure_has_one_number_per_cell_with_bounds_target_verdict_and_voices(
     (false,) = rows(page.text(tmp_path), "false")
     assert (false["target"], false["result"], false["voices"]) == ("none", "-", "synthetic")
     assert (false["measured"], false["95 %"]) == ("0.5", "at most 1.574")  # chi2, 6 degrees
+
+
+@pytest.mark.parametrize(("share", "said"), [(0.066, True), (0.004, False)])
+def test_what_the_host_of_a_virtual_machine_took_stands_beside_the_machine(tmp_path, share, said):
+    write(tmp_path / f"{PART.file}.json", [SHARE], {**MACHINE, "stolen": share})
+    page.load(PART, tmp_path)
+    words = "The host of this virtual machine took 7 % of the processors."
+    assert (words in page.text(tmp_path)) is said
+
+
+def test_a_result_holds_the_share_that_the_host_took_meanwhile(tmp_path, monkeypatch):
+    for name, values in (("_stolen", [2.0, 2.5]), ("time.monotonic", [100.0, 110.0])):
+        monkeypatch.setattr(f"support.figures.{name}", partial(next, iter(values)))
+    monkeypatch.setattr(support_figures, "ROOT", tmp_path)
+    monkeypatch.setattr(support_figures, "RESULTS", tmp_path)
+    support_figures.run("one", lambda: [SHARE], Console(quiet=True))
+    assert json.loads((tmp_path / "one.json").read_text())["machine"]["stolen"] == 0.05
 
 
 def test_what_an_older_result_lacks_is_a_dash_and_its_shares_are_per_cent(tmp_path):
