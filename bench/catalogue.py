@@ -159,8 +159,8 @@ _HEARING = Area(
     "The whole streaming pipeline. Synthetic voices are of engines or styles that training never "
     'used. **Of the commands only "stop" is measured on people.** Checkpoint and thresholds were '
     "chosen on parts of these sets, which flatters them a little. Times count from the end of the "
-    "word, below 0 from before it. The networks' own figures are in their cards in "
-    "`catkin_ws/src/voice_assist/models`.",
+    "word, below 0 from before it. They include the processor's time. The networks' own figures "
+    "are in their cards in `catkin_ws/src/voice_assist/models`.",
     (
         Part(
             "voice.trials",

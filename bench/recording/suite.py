@@ -86,8 +86,8 @@ def reading() -> list[Figure]:
     note = f"(from {found.duration:.0f} s)"
     from_both = f"(of processor, from {found.duration:.0f} s and twice as long)"
     return [
-        Figure("read", found.messages / read, "messages/s"),
-        Figure("read", size / read / 1e6, "MB/s", note=f"({size / 1e6:.0f} MB)"),
+        Figure("messages read", found.messages / read, "messages/s"),
+        Figure("recording read", size / read / 1e6, "MB/s", note=f"({size / 1e6:.0f} MB)"),
         Figure(f"memory: {TURNS} times as long a file takes", grown, "MB more", 5.0),
         Figure("size of an hour of session", size / hours / 1e9, "GB", note=note),
         Figure("report of an hour of session", report, "s", 60.0, note=from_both),

@@ -49,7 +49,11 @@ def _of(name: str, trial: OverlapTrial, records: Sequence[SceneRecord]) -> list[
         hours = sum(r.label["seconds"] for r in records) / 3600.0
         stops = sum(r.heard.taken.count("stop") for r in records)
         limit = 6.0 if trial.is_moving else 0.5
-        return [rate(f"{name}: false stops", stops, hours, limit), _moved(name, records)]
+        return [
+            rate(f"{name}: false stops", stops, hours, limit),
+            _moved(name, records),
+            _load(name, records),
+        ]
     target = RECALL.get(trial.level) if trial.is_moving and trial.kind == "under talk" else None
     if trial.kind == "at once" and trial.level >= 0.0:
         target = 1.0
@@ -64,6 +68,12 @@ def _moved(name: str, records: Sequence[SceneRecord]) -> Figure:
     """Scenes in which a motion was taken."""
     count = sum(bool(motions() & set(r.heard.taken)) for r in records)
     return share(f"{name}: motion taken", count, len(records), 0.0, at_most=True)
+
+
+def _load(name: str, records: Sequence[SceneRecord]) -> Figure:
+    """Near 100 % hearing falls behind, and each stop is late."""
+    used = sum(r.heard.compute for r in records) / sum(r.heard.streamed for r in records)
+    return Figure(f"{name}: processor time", 100.0 * used, "% of the sound's")
 
 
 def _latency(name: str, stopped: Sequence[SceneRecord]) -> list[Figure]:

@@ -18,11 +18,13 @@ import os
 import tempfile
 import time
 from collections import Counter, deque
+from collections.abc import Callable
 from pathlib import Path
 
 import actionlib
 import numpy as np
 import rospy
+from actionlib_msgs.msg import GoalStatus
 from sensor_msgs.msg import JointState
 
 from bench.common.resumable import measured
@@ -90,14 +92,14 @@ class StopWatcher:
         """Forget all events."""
         self.events.clear()
 
-    def wait(self, *states: str) -> None:
-        """Wait until the controller is in one of some states.
+    def wait(self, *states: str, unless: Callable[[], bool] = lambda: False) -> None:
+        """Wait until the controller is in one of some states, or something else has happened.
 
         Raises:
             RuntimeError: It never was.
         """
         end = time.monotonic() + LIMIT
-        while self.state is None or self.state.state not in states:
+        while not unless() and (self.state is None or self.state.state not in states):
             if time.monotonic() > end:
                 raise RuntimeError(f"never {' or '.join(states)}; the controller says {self.state}")
             time.sleep(0.005)
@@ -231,8 +233,12 @@ class StopSession:
             self.grasp()
         is_low = state is None or state.tension < 0.5 * (LOW + HIGH)
         self._goals.send_goal(AssistGoal("pull more" if is_low else "pull less", STEP, 0.0))
-        self.watcher.wait("moving", "halted", "faulted")
-        return not self._was_halted()
+        self.watcher.wait("moving", "halted", "faulted", unless=self._is_refused)
+        return not self._was_halted() and not self._is_refused()
+
+    def _is_refused(self) -> bool:
+        """Whether the last goal was, as where a busy machine's joint states are late."""
+        return bool(self._goals.get_state() == GoalStatus.REJECTED)
 
     def _was_halted(self, before: float = np.inf) -> bool:
         """Whether a watchdog halted the robot before a moment [s]; notes which one."""
