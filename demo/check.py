@@ -79,8 +79,7 @@ def verdicts(script: Script, observed: Observed) -> list[StepVerdict]:
 def _judge(script: Script, index: int, observed: Observed) -> StepVerdict:
     step = script.steps[index]
     # A motion that is stopped next may begin while that is said: a busy machine hears late.
-    is_stopped = step.effect == "moving" and index + 1 < len(script.steps)
-    end = script.end_of(index + is_stopped)
+    end = script.end_of(index + (step.effect == "moving"))
     states = observed.between(step.at, end)
     if not states:
         return StepVerdict(step, False, "the controller said nothing")

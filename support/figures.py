@@ -151,7 +151,7 @@ def percentiles(
     return [*found, Figure(f"{name} max", float(np.max(values)), unit, targets.get(100))]
 
 
-def machine() -> dict[str, Any]:
+def machine() -> dict[str, str | float]:
     """Name the machine, the date and the commit of a measurement."""
     facts = machine_facts()
     commit = subprocess.run(

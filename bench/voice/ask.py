@@ -20,7 +20,7 @@ from bench.voice.material.held_out_voices import SyntheticVoice, foreigners, nat
 from bench.voice.material.mixing import PER_CHUNK, StreamedTrial, stream_of, trials_of
 from bench.voice.material.synthesis import SpokenClip, spoken
 from bench.voice.no_commands import armed
-from bench.voice.outcomes import motions
+from bench.voice.outcomes import hours, motions
 from bench.voice.trials import MOTIONS
 from support.figures import Figure, rate, share
 from support.product_code import HEARING, identity
@@ -64,9 +64,8 @@ def _of(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
     asked = [r for r in records if any(one.why.startswith(ASKED) for one in r.heard.said)]
     n = len(records)
     if name == PEOPLE:
-        hours = sum(r.label["seconds"] for r in records) / 3600.0
         moved = [r for r in records if not motions().isdisjoint(r.heard.taken)]
-        questions = rate(f"{name}: questions", len(asked), hours, note=_words(asked))
+        questions = rate(f"{name}: questions", len(asked), hours(records), note=_words(asked))
         return [questions, _moved(name, moved, n, 0.0)]
     figures = [Figure(f"{name}: asked for", len(asked), "", note=f"(of {n})")]
     if name.startswith("commands"):

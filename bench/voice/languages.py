@@ -29,7 +29,7 @@ from bench.voice.hearing.pieces import Label, SceneRecord
 from bench.voice.hearing.replay_stream import SceneListener, SceneResult, SoundScene
 from bench.voice.material import language_clips
 from bench.voice.material.mixing import StreamedTrial, stream_of, trials_of
-from bench.voice.outcomes import motions, right, tally
+from bench.voice.outcomes import motions, processor, right, tally
 from support import product_code
 from support.figures import Figure, percentiles, share
 from voice_assist.assembly import limit_torch
@@ -138,8 +138,8 @@ def _in_quiet(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
     for title, some in named.items():
         late = [1e3 * (t.at - r.label["end"]) for r in some for t in r.heard.said if t.is_taken]
         figures += percentiles(f"{name}: {title}", late, "ms")
-    spent = sum(r.heard.compute for r in records) / sum(r.heard.streamed for r in records)
-    return [*figures, Figure(f"{name}: processor, while commands are said", 100 * spent, "%")]
+    what = "processor, while commands are said"
+    return [*figures, Figure(f"{name}: {what}", processor(records), "%")]
 
 
 def _in_noise(name: str, records: Sequence[SceneRecord]) -> list[Figure]:

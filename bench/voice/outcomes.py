@@ -145,6 +145,17 @@ def latencies(records: Iterable[SceneRecord]) -> dict[str, list[float]]:
     return {command: delays(some, command) for command, some in right_ones.items()}
 
 
+def hours(records: Iterable[SceneRecord]) -> float:
+    """Length of all scenes [h]."""
+    return sum(float(r.label["seconds"]) for r in records) / 3600.0
+
+
+def processor(records: Iterable[SceneRecord]) -> float:
+    """Share of the scenes' length that hearing them took on one core [%]."""
+    every = list(records)
+    return 100.0 * sum(r.heard.compute for r in every) / sum(r.heard.streamed for r in every)
+
+
 def delays(records: Iterable[SceneRecord], command: str = "stop") -> list[float]:
     """Times from the end of the word to the first time that a command is taken [ms].
 

@@ -17,7 +17,7 @@ from bench.voice.hearing.replay_stream import WAYS, Way, way_name
 from bench.voice.material.held_out_voices import natives, spread
 from bench.voice.material.overlap import PER_CHUNK, OverlapTrial
 from bench.voice.material.synthesis import DEV, TALK, SpokenClip, recorded, spoken
-from bench.voice.outcomes import delays, in_percent, motions
+from bench.voice.outcomes import delays, hours, in_percent, motions, processor
 from bench.voice.trials import STOP
 from support.figures import Figure, rate, share
 
@@ -46,11 +46,10 @@ def measure() -> list[Figure]:
 
 def _of(name: str, trial: OverlapTrial, records: Sequence[SceneRecord]) -> list[Figure]:
     if trial.kind == "talk alone":
-        hours = sum(r.label["seconds"] for r in records) / 3600.0
         stops = sum(r.heard.taken.count("stop") for r in records)
         limit = 6.0 if trial.is_moving else 0.5
         return [
-            rate(f"{name}: false stops", stops, hours, limit),
+            rate(f"{name}: false stops", stops, hours(records), limit),
             _moved(name, records),
             _load(name, records),
         ]
@@ -72,8 +71,7 @@ def _moved(name: str, records: Sequence[SceneRecord]) -> Figure:
 
 def _load(name: str, records: Sequence[SceneRecord]) -> Figure:
     """Near 100 % hearing falls behind, and each stop is late."""
-    used = sum(r.heard.compute for r in records) / sum(r.heard.streamed for r in records)
-    return Figure(f"{name}: processor time", 100.0 * used, "% of the sound's")
+    return Figure(f"{name}: processor", processor(records), "%")
 
 
 def _latency(name: str, stopped: Sequence[SceneRecord]) -> list[Figure]:

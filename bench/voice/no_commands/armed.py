@@ -15,7 +15,7 @@ from bench.voice.hearing import pieces
 from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.material.mixing import chunks, trials_of
 from bench.voice.material.synthesis import DEV, TALK, SpokenClip, recorded
-from bench.voice.outcomes import motions
+from bench.voice.outcomes import hours, motions
 from bench.voice.trials import STOP
 from support.figures import ROOT, Figure, rate
 
@@ -30,15 +30,15 @@ def measure() -> list[Figure]:
         return []
     kinds = dict(zip((c.path for c in spoken), _kinds(spoken), strict=True))
     records = measured()
-    hours = _hours(records)
-    figures = [resumable.measured(round(hours, 3), "h", round(length(spoken), 3))]
+    heard = hours(records)
+    figures = [resumable.measured(round(heard, 3), "h", round(length(spoken), 3))]
     figures += of_commands("human speech, armed", records, 0.0, 0.5)
     for kind in (SENTENCES, WORDS, WAKE_WORDS):
         some = [r for r in records if kinds[r.label["path"]] == kind]
         if some:
             figures += of_commands(f"{kind}, armed", some)
     data = {"fired": fired(records), "clips": Counter(kinds.values())}
-    resumable.write_details("voice/armed_fired.json", hours, data)
+    resumable.write_details("voice/armed_fired.json", heard, data)
     return figures
 
 
@@ -63,7 +63,7 @@ def of_commands(
         stop: Most stops [1/h]; None: no target.
         unique: Of recordings that are heard again and again, their length [h].
     """
-    hours = _hours(records)
+    heard = hours(records)
     taken = Counter(command for r in records for command in r.heard.taken)
     moved = sum(taken[command] for command in motions())
     which = ", ".join(f"{command}: {taken[command]}" for command in sorted(motions() & set(taken)))
@@ -76,7 +76,7 @@ def of_commands(
         ("terminate taken", taken["terminate"], None, again),
     )
     return [
-        rate(f"{name}: {what}", count, hours, most, note, unique=unique)
+        rate(f"{name}: {what}", count, heard, most, note, unique=unique)
         for what, count, most, note in counted
     ]
 
@@ -97,10 +97,6 @@ def _kinds(clips: Sequence[SpokenClip]) -> list[str]:
     return [
         WORDS if clip.path in words else WAKE_WORDS if clip.text else SENTENCES for clip in clips
     ]
-
-
-def _hours(records: Sequence[SceneRecord]) -> float:
-    return sum(r.label["seconds"] for r in records) / 3600.0
 
 
 def length(clips: Sequence[SpokenClip]) -> float:
