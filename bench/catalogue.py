@@ -249,6 +249,7 @@ _HEARING = Area(
         ),
         Part("voice.calibration", "Confidence", "voice.calibration", code.HEARING, decides="rest"),
         Part("voice.sizes", "Whisper's sizes", "voice.sizes", code.HEARING, SYNTHETIC),
+        Part("voice.precision", "Numbers of networks", "voice.precision", code.HEARING),
         Part("voice.soak", "An hour of load", "voice.soak.suite", code.HEARING, SYNTHETIC),
     ),
 )

@@ -32,14 +32,14 @@ LATE = 100.0, 500.0  # [ms] over talk, while the robot moves: half of them, and 
 
 def measure() -> list[Figure]:
     """Share heard, latency, commands at once, and false stops; the robot at rest and moving."""
-    plans = dict(_plans())
-    if not plans:
+    every = dict(plans())
+    if not every:
         print("no human speech in ../shared/speech: overlap left out")
         return []
-    found, count = pieces.found("overlap", plans, PER_CHUNK, is_moving=True)
+    found, count = pieces.found("overlap", every, PER_CHUNK, is_moving=True)
     figures = [count]
     for name, records in found.items():
-        trial = plans[name][0]
+        trial = every[name][0]
         figures += _of(name, trial, records)
     return figures
 
@@ -87,7 +87,8 @@ def _latency(name: str, stopped: Sequence[SceneRecord]) -> list[Figure]:
     ]
 
 
-def _plans() -> Iterator[tuple[str, list[OverlapTrial]]]:
+def plans() -> Iterator[tuple[str, list[OverlapTrial]]]:
+    """All trials by their name; none without people in ../shared/speech."""
     humans = [clip for clip in recorded(DEV) if clip.text in STOP][::2]
     talk = _talk()
     if not humans or not talk:

@@ -19,7 +19,8 @@ from bench.voice.outcomes import in_percent
 from bench.voice.trials import THIN
 from support.figures import ROOT, Figure, share
 from voice_assist.audio.sound_file import read_sound
-from voice_assist.spotter.overlap import PATH, WINDOW, OverlapNetwork, overlap_scorer, read_overlap
+from voice_assist.recognizer.precision import dtype_for, quick
+from voice_assist.spotter.overlap import PATH, WINDOW, OverlapNetwork, read_overlap
 from voice_assist.types import RATE, Samples
 
 WORD = "stop"
@@ -39,7 +40,7 @@ def measure() -> list[Figure]:
         print(f"overlap_network left out: it needs {path} and people in ../shared/speech")
         return []
     torch.set_num_threads(1)
-    network, _ = read_overlap(path)
+    network = quick(read_overlap(path)[0], dtype_for("cpu"))
     hours = sum(map(len, talk)) / RATE / 3600
     heights = [height for sound in talk for height in alarms(scores_of(network, sound))]
     figures = [
@@ -78,10 +79,11 @@ def _best(
 
 def _cost(network: OverlapNetwork) -> float:
     """CPU time of a network pass [s], the median of several."""
-    score, window = overlap_scorer(network), np.zeros((1, WINDOW), np.float32)
+    window = torch.zeros(1, WINDOW)
     times = []
-    for _ in range(15):
-        begin = time.process_time()
-        score(window)
-        times.append(time.process_time() - begin)
+    with torch.inference_mode():
+        for _ in range(15):
+            begin = time.process_time()
+            network(window)
+            times.append(time.process_time() - begin)
     return float(np.median(times))

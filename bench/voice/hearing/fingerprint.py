@@ -127,15 +127,16 @@ def values(settings: object) -> object:
     """What settings hold, without the names of their fields and classes; of commands what counts.
 
     Slots that no command has are left out, what only other languages have, and how it is asked for
-    motions where it never is.
+    motions where it never is. So is the precision: what comes of it is in the decisions.
     """
     if isinstance(settings, CommandsConfig):
         commands = tuple(map(_of_command, settings.commands))
         slots = (settings.amounts, tuple(map(astuple, settings.slots))) if settings.amounts else ()
         return settings.answer_within, *slots, commands
-    if isinstance(settings, RecognizerConfig) and not settings.ask.is_enabled:
+    if isinstance(settings, RecognizerConfig):
         named = zip(fields(settings), astuple(settings), strict=True)
-        return tuple(UNASKED if field.name == "ask" else value for field, value in named)
+        known = {field.name: value for field, value in named if field.name != "precision"}
+        return tuple((known if settings.ask.is_enabled else {**known, "ask": UNASKED}).values())
     return astuple(settings) if is_dataclass(settings) else settings  # type: ignore[arg-type]
 
 

@@ -6,6 +6,7 @@ from typing import get_args, get_type_hints
 
 import numpy as np
 import pytest
+import torch
 import yaml
 
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer
@@ -125,11 +126,33 @@ def test_a_mode_can_be_taken_over_and_nonsense_not():
         replayed.set_mode("asleep", "")
 
 
+def test_a_recording_from_before_precision_is_heard_in_float32():
+    given = settings()
+    del given["recognizer"]["precision"]
+    config, warnings = restore_settings(given, None)
+    assert (config.recognizer.precision, warnings) == ("float32", ())
+
+
+@pytest.mark.parametrize(
+    ("has_it", "expected", "count"), [(True, "bfloat16", 0), (False, "auto", 1)]
+)
+def test_the_recorded_precision_is_kept_where_the_processor_has_it(
+    monkeypatch, has_it, expected, count
+):
+    monkeypatch.setattr(torch.cpu, "_is_avx512_bf16_supported", lambda: has_it)
+    given = settings()
+    given["recognizer"]["precision"] = "bfloat16"
+    config, warnings = restore_settings(given, None)
+    assert config.recognizer.precision == expected
+    assert len(warnings) == count
+    assert all(warning.startswith("confidences may differ a little: ") for warning in warnings)
+
+
 def test_a_folder_of_recordings_loads_its_model_once(monkeypatch):
     loaded = []
     from voice_assist import recognizer
 
-    def load(model, device):
+    def load(model, device, precision):
         loaded.append(model)
         return FakeRecognizer()
 

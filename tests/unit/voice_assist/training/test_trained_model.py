@@ -89,8 +89,8 @@ def test_draft_and_correction_write_what_greedy_decoding_writes(exported, draft)
     recognizer = EmbeddedRecognizer("x", read_checkpoint(exported))
     with torch.inference_mode():
         for seed in range(2):
-            states = recognizer.model.encode(log_mel(torch.from_numpy(sound(seed=seed))[None]))
-            ids, _ = greedy(recognizer.model, states, MAX_ROUNDS - 1)
+            states = recognizer.network.encode(log_mel(torch.from_numpy(sound(seed=seed))[None]))
+            ids, _ = greedy(recognizer.network, states, MAX_ROUNDS - 1)
             written = recognizer._decode(states, draft, never_hopeless).text
             assert written.startswith(decode(ids).strip())
 
@@ -103,7 +103,7 @@ def test_commands_are_greedy_whatever_the_draft():
         for text, samples in zip(texts.COMMANDS, said, strict=True):
             amid_quiet = np.pad(samples.astype(np.float32) / 32768, RATE // 10)
             states = recognizer._listen(amid_quiet).states
-            ids, has_ended = greedy(recognizer.model, states, MAX_ROUNDS - 1)
+            ids, has_ended = greedy(recognizer.network, states, MAX_ROUNDS - 1)
             assert has_ended
             assert decode(ids) == text
             for draft in drafts:
@@ -112,7 +112,7 @@ def test_commands_are_greedy_whatever_the_draft():
 
 def test_a_bad_draft_of_endless_talk_is_read_a_limited_number_of_times(exported, monkeypatch):
     recognizer = EmbeddedRecognizer("x", read_checkpoint(exported))
-    read, logits = [], recognizer.model.logits
+    read, logits = [], recognizer.network.logits
 
     def never_agrees(tokens, states, memory):
         read.append(tokens)
@@ -121,9 +121,9 @@ def test_a_bad_draft_of_endless_talk_is_read_a_limited_number_of_times(exported,
         found[:, :, encode("q")[0]] = 100.0
         return found
 
-    monkeypatch.setattr(recognizer.model, "logits", never_agrees)
+    monkeypatch.setattr(recognizer.network, "logits", never_agrees)
     with torch.inference_mode():
-        states = recognizer.model.encode(log_mel(torch.from_numpy(sound(2.0))[None]))
+        states = recognizer.network.encode(log_mel(torch.from_numpy(sound(2.0))[None]))
         heard = recognizer._decode(states, "ab" * 20, never_hopeless)
     assert len(read) == MAX_ROUNDS
     assert heard.text == "q" * (MAX_ROUNDS - 1) + ("ab" * 20)[MAX_ROUNDS - 1 :]

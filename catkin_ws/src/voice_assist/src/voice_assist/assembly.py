@@ -63,14 +63,28 @@ def make_recognizer(config: VoiceConfig) -> Recognizer:
     limit_torch(config)
     settings = config.recognizer
     if not config.is_multilingual:
-        return personalise(config, load_recognizer(settings.model, settings.device))
+        return personalise(
+            config, load_recognizer(settings.model, settings.device, settings.precision)
+        )
     from voice_assist.recognizer.checkpoint import EMBEDDED, MULTILINGUAL
     from voice_assist.recognizer.phrases import PhraseRecognizer
     from voice_assist.recognizer.whisper import load_multilingual
 
     model = MULTILINGUAL if settings.model == EMBEDDED else settings.model
-    base = load_multilingual(model, settings.device, config.commands.language)
+    base = load_multilingual(model, settings.device, config.commands.language, settings.precision)
     return PhraseRecognizer(base, config.commands)
+
+
+def precision_of(config: VoiceConfig) -> str:
+    """Which precision the recogniser has, where the settings leave it to the device.
+
+    Raises:
+        ModelError: The device does not have the one that they ask for.
+    """
+    from voice_assist.recognizer.precision import dtype_for
+
+    settings = config.recognizer
+    return str(dtype_for(settings.device, settings.precision)).removeprefix("torch.")
 
 
 def make_spotter(
@@ -107,7 +121,7 @@ def make_spotters(config: VoiceConfig) -> tuple[Spotting, str]:
     from voice_assist.spotter.overlap import WindowCutter, overlap_scorer
     from voice_assist.spotter.spotter import Spotter
 
-    network, digest_of_second = _over_talk()
+    network, digest_of_second = _over_talk(config.recognizer.precision)
     thresholds = replace(config.spotter, alone=moving.over_talk_alone)
     second = Spotter(thresholds, WindowCutter(), overlap_scorer(network), 1)
     both = sha256((digest + digest_of_second).encode()).hexdigest()
@@ -115,10 +129,12 @@ def make_spotters(config: VoiceConfig) -> tuple[Spotting, str]:
 
 
 @cache
-def _over_talk() -> tuple[OverlapNetwork, str]:
+def _over_talk(precision: str) -> tuple[OverlapNetwork, str]:
+    from voice_assist.recognizer.precision import dtype_for, quick
     from voice_assist.spotter.overlap import read_overlap
 
-    return read_overlap()
+    network, digest = read_overlap()
+    return quick(network, dtype_for("cpu", precision)), digest
 
 
 def make_pipeline(
@@ -152,16 +168,16 @@ def make_pipeline(
         spotting, _ = make_spotters(config)
     second, gate = StopFusion(config.spotter, spotting), _make_gate(config, voiceprint)
     detector = make_detector(config.audio.vad)
-    in_sound = _stop_in_sound(config.spotter)
+    in_sound = _stop_in_sound(config)
     return Pipeline(config, recognizer, detector, clock, second, observer, gate, in_sound)
 
 
-def _stop_in_sound(config: SpotterConfig) -> StopInSound | None:
-    if not (config.is_enabled and config.over_talk):
+def _stop_in_sound(config: VoiceConfig) -> StopInSound | None:
+    if not (config.spotter.is_enabled and config.spotter.over_talk):
         return None
     from voice_assist.spotter.overlap import SoundScorer
 
-    return SoundScorer(_over_talk()[0])
+    return SoundScorer(_over_talk(config.recognizer.precision)[0])
 
 
 def _make_gate(config: VoiceConfig, voiceprint: bytes | None) -> Gate | None:

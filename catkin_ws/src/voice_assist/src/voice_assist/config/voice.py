@@ -31,6 +31,7 @@ CONFIG_DIR = package_folder("voice_assist") / "config"
 LOWEST_PITCH = 10.0  # [Hz] below it there is no sound to remove
 LEAST_SPOKEN = 0.5  # [s] of a command that has to fit into an utterance
 SLOWER = 5.0  # times that the multilingual model takes as long as the embedded one
+PRECISIONS = ("auto", "bfloat16", "float32")
 # Each a file and a key.
 SECTIONS = ("audio", "recognizer", "spotter", "speaker", "profile", "commands", "moving")
 
@@ -218,6 +219,7 @@ class RecognizerConfig:
     RENAMED: ClassVar[Mapping[str, str]] = {"motion_glide": "motion_pitch_variation"}
     model: str = text()
     device: str = text()
+    precision: str = choice(*PRECISIONS)
     threads: int = integer(1, 64, "threads")
     hung_after: float = number(0.1, 30.0, "s")
     second_opinion: bool = flag()

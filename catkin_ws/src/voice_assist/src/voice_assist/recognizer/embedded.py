@@ -15,6 +15,7 @@ from voice_assist.recognizer.checkpoint import Checkpoint
 from voice_assist.recognizer.ctc import greedy_text
 from voice_assist.recognizer.hybrid import WhisperCtc, encode_lower, encode_upper
 from voice_assist.recognizer.mel import log_mel
+from voice_assist.recognizer.precision import dtype_for, quick
 from voice_assist.recognizer.recognizer import SHORTEST, drop_hallucination, is_same
 from voice_assist.recognizer.scoring import ctc_likelihoods, decoder_likelihoods, ratios
 from voice_assist.recognizer.verification import BLOCKS, PhraseVerifier
@@ -56,6 +57,8 @@ class EmbeddedRecognizer:
     that no sound takes long. Every text shorter than MAX_ROUNDS letters, as all
     commands are, is exact. It stops earlier where the caller says that a text with
     such a beginning cannot matter.
+
+    `model` holds the weights, for who adapts them; `network` is what listens.
     """
 
     def __init__(
@@ -64,6 +67,7 @@ class EmbeddedRecognizer:
         checkpoint: Checkpoint,
         device: str = "cpu",
         verifier: PhraseVerifier | None = None,
+        dtype: torch.dtype | None = None,
     ) -> None:
         """Take the weights.
 
@@ -72,9 +76,12 @@ class EmbeddedRecognizer:
             checkpoint: With a CTC head.
             device: A torch device.
             verifier: Made for that checkpoint; None: no phrase is verified.
+            dtype: Of its linear maps; None: the device's best.
         """
         self.name, self.model_hash = name, checkpoint.sha256
         self.model = restore(checkpoint).to(device).eval()
+        self._dtype = dtype or dtype_for(device)
+        self.network = quick(self.model, self._dtype)
         self._device = device
         self._verifier = verifier
         self._newest: _Listened | None = None
@@ -99,7 +106,7 @@ class EmbeddedRecognizer:
             heard = self._listen(samples)
             written = self._decode(heard.states, heard.draft, never_hopeless).text
             texts = list(dict.fromkeys([*spelt.values(), "", heard.draft.strip(), written]))
-            read = decoder_likelihoods(self.model, heard.states, texts).tolist()
+            read = decoder_likelihoods(self.network, heard.states, texts).tolist()
             aligned = ctc_likelihoods(heard.ctc.cpu(), texts).tolist()
         decoder = ratios(dict(zip(texts, read, strict=True)), list(spelt.values()))
         head = ratios(dict(zip(texts, aligned, strict=True)), list(spelt.values()))
@@ -126,19 +133,19 @@ class EmbeddedRecognizer:
         missing = MIN_FRAMES * HOP_LENGTH - len(heard)
         heard = np.pad(heard, (0, max(missing, 0)))
         mel = log_mel(torch.from_numpy(heard)[None].to(self._device))
-        hidden = encode_lower(self.model.whisper.encoder, mel, BLOCKS)
-        states = encode_upper(self.model.whisper.encoder, hidden, BLOCKS)
-        ctc = self.model.ctc_logprobs(states)[0]
+        hidden = encode_lower(self.network.whisper.encoder, mel, BLOCKS)
+        states = encode_upper(self.network.whisper.encoder, hidden, BLOCKS)
+        ctc = self.network.ctc_logprobs(states)[0]
         self._newest = _Listened(samples, hidden, states, ctc, greedy_text(ctc.cpu().numpy()))
         return self._newest
 
     def _decode(self, states: Tensor, draft: str, is_hopeless: IsHopeless) -> Hypothesis:
-        most = self.model.dims.n_text_ctx - len(PROMPT) - 1
-        memory = self.model.remember(states)
+        most = self.network.dims.n_text_ctx - len(PROMPT) - 1
+        memory = self.network.remember(states)
         ids = encode(draft)[:most]
         for round_ in range(1, MAX_ROUNDS + 1):
             tokens = torch.tensor([[*PROMPT, *ids]], device=self._device)
-            logprobs = self.model.logits(tokens, states, memory)[0].log_softmax(-1)
+            logprobs = self.network.logits(tokens, states, memory)[0].log_softmax(-1)
             written = logprobs[len(PROMPT) - 1 :]
             wanted = written.argmax(-1).tolist()
             agreed = _agreed(ids, wanted)

@@ -25,6 +25,7 @@ from voice_assist.recognizer.checkpoint import (
 from voice_assist.recognizer.embedded import EmbeddedRecognizer, is_audible
 from voice_assist.recognizer.hybrid import encode_short
 from voice_assist.recognizer.mel import SAMPLES_PER_STATE, log_mel
+from voice_assist.recognizer.precision import AUTO, dtype_for
 from voice_assist.recognizer.recognizer import Recognizer, drop_hallucination, is_same
 from voice_assist.recognizer.scoring import ratios
 from voice_assist.recognizer.token_tree import likelihoods
@@ -106,7 +107,7 @@ class OpenAIRecognizer:
             ModelError: It hears English only, and another language is asked for.
         """
         self.name, self.model_hash = name, checkpoint.sha256
-        self.dtype = dtype or best_dtype(device)
+        self.dtype = dtype or dtype_for(device)
         self.model = Whisper(checkpoint.dims)
         if language != ENGLISH and not self.model.is_multilingual:
             raise ModelError(f"model {name!r} hears English only, not {language!r}; {FETCH}")
@@ -223,43 +224,42 @@ def once(text: str) -> str:
     return text
 
 
-def best_dtype(device: str) -> torch.dtype:
-    """Type of weights in which a device is quickest: bfloat16 where the processor has it."""
-    if torch.device(device).type != "cpu":
-        return torch.float32
-    has_it = torch.ops.mkldnn._is_mkldnn_bf16_supported()
-    return torch.bfloat16 if has_it else torch.float32
-
-
-def load_recognizer(model: str = "embedded", device: str = "cpu") -> Recognizer:
+def load_recognizer(
+    model: str = "embedded", device: str = "cpu", precision: str = AUTO
+) -> Recognizer:
     """Load a recogniser.
 
     Args:
         model: "embedded", a name that whisper.load_model takes such as "base.en",
             or a checkpoint file.
         device: A torch device, "cpu" or "cuda".
+        precision: Of its numbers, as for `dtype_for`.
 
     Raises:
         ModelError: The model is unknown, missing or damaged, or the device is not
-            there.
+            there or does not have that precision.
     """
     path, checkpoint = _checkpoint(model, device)
+    dtype = dtype_for(device, precision)
     try:
         if checkpoint.ctc is None:
-            return OpenAIRecognizer(model, checkpoint, device)
+            return OpenAIRecognizer(model, checkpoint, device, dtype=dtype)
         verifier = read_verifier(checkpoint.sha256, checkpoint.dims.n_audio_state)
-        return EmbeddedRecognizer(model, checkpoint, device, verifier)
+        return EmbeddedRecognizer(model, checkpoint, device, verifier, dtype)
     except (RuntimeError, KeyError, IndexError) as error:
         raise ModelError(f"{path}: weights do not fit its dims: {error}") from error
 
 
-def load_multilingual(model: str, device: str, language: str) -> OpenAIRecognizer:
+def load_multilingual(
+    model: str, device: str, language: str, precision: str = AUTO
+) -> OpenAIRecognizer:
     """Load a model that hears another language than English.
 
     Args:
         model: As for load_recognizer.
         device: A torch device.
         language: By Whisper's token.
+        precision: As for load_recognizer.
 
     Raises:
         ModelError: As for load_recognizer, or the model hears English only.
@@ -267,8 +267,9 @@ def load_multilingual(model: str, device: str, language: str) -> OpenAIRecognize
     path, checkpoint = _checkpoint(model, device)
     if checkpoint.ctc is not None:
         raise ModelError(f"model {model!r} hears English only, not {language!r}; {FETCH}")
+    dtype = dtype_for(device, precision)
     try:
-        return OpenAIRecognizer(model, checkpoint, device, language=language)
+        return OpenAIRecognizer(model, checkpoint, device, dtype=dtype, language=language)
     except (RuntimeError, KeyError, IndexError) as error:
         raise ModelError(f"{path}: weights do not fit its dims: {error}") from error
 

@@ -24,7 +24,7 @@ from voice_assist.config import CONFIG_DIR, VoiceConfig, voice_config
 from voice_assist.config.commands import ENGLISH
 from voice_assist.config.profile import NOBODY
 from voice_assist.config.voice import section_files
-from voice_assist.errors import VoiceError
+from voice_assist.errors import ModelError, VoiceError
 from voice_assist.intent.dialogue import Answered
 from voice_assist.pipeline.pipeline import Event, Pipeline
 from voice_assist.profile.active import personalise
@@ -48,7 +48,7 @@ _NEVER_ASKS = {
 _OTHER_PARAMETERS = ("launched", "believed", "opened_microphone")
 # Sections and settings that an older recording did not have, as the node behaved without them.
 SWITCHED_OFF: dict[str, dict[str, Any]] = {
-    "recognizer": {"motion_verification": -1000.0, "ask": _NEVER_ASKS},
+    "recognizer": {"motion_verification": -1000.0, "ask": _NEVER_ASKS, "precision": "float32"},
     "speaker": {"gate": "off"},
     "profile": {"name": "none"},
     "moving": {"is_enabled": False},
@@ -240,7 +240,21 @@ def restore_settings(
     data["recognizer"]["device"] = today["recognizer"]["device"]
     if model is not None:
         data["recognizer"]["model"] = model
-    return voice_config(data), tuple(warnings)
+    config, missing = _in_precision(voice_config(data))
+    return config, (*warnings, *missing)
+
+
+def _in_precision(config: VoiceConfig) -> tuple[VoiceConfig, tuple[str, ...]]:
+    """With the recorded precision; where the processor lacks that, the best it has."""
+    from voice_assist.recognizer.precision import AUTO, dtype_for
+
+    settings = config.recognizer
+    try:
+        dtype_for(settings.device, settings.precision)
+    except ModelError as error:
+        here = replace(config, recognizer=replace(settings, precision=AUTO))
+        return here, (f"confidences may differ a little: {error}",)
+    return config, ()
 
 
 def _asks_as_today(recognizer: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -289,15 +303,16 @@ def _recognizer(config: VoiceConfig) -> Recognizer:
     """That of the recorded language, without a profile."""
     if config.is_multilingual:
         return _of_another_language(config)
-    return _english(config.recognizer.model, config.recognizer.device)
+    settings = config.recognizer
+    return _english(settings.model, settings.device, settings.precision)
 
 
 @lru_cache(maxsize=2)
-def _english(model: str, device: str) -> Recognizer:
+def _english(model: str, device: str, precision: str) -> Recognizer:
     """Load a model once for a folder of recordings."""
     from voice_assist.recognizer import load_recognizer
 
-    return load_recognizer(model, device)
+    return load_recognizer(model, device, precision)
 
 
 _of_another_language = lru_cache(maxsize=1)(make_recognizer)

@@ -23,6 +23,7 @@ from voice_assist.assembly import (
     make_recognizer,
     make_source,
     make_spotters,
+    precision_of,
 )
 from voice_assist.audio.capture.input_check import SoundWatch, at_full_scale
 from voice_assist.audio.source import AudioSource, level_db
@@ -86,6 +87,8 @@ class VoiceNode:
             pinned = replace(config.profile, sha256=of_profile["profile_sha256"])
             rospy.set_param("~profile", asdict(pinned))
             rospy.loginfo("profile %(profile)s %(profile_sha256).12s", of_profile)
+        self._precision = precision_of(config)
+        rospy.set_param("~recognizer/precision", self._precision)  # for a replay, too
         self._frames: Queue[Frame | None] = Queue(config.audio.queue)
         self._over = threading.Event()
         self._busy_since: float | None = None  # [s] steady clock, at the frame under recognition
@@ -114,7 +117,8 @@ class VoiceNode:
             self._spotter.start()
         for target in (self._listen, self._hear, self._beat):
             threading.Thread(target=self._guard, args=(target,), daemon=True).start()
-        rospy.loginfo("listening to the %s, model %s", self._health.source, self._health.model)
+        heard_by = self._health.source, self._health.model, self._precision
+        rospy.loginfo("listening to the %s, model %s in %s", *heard_by)
         rospy.loginfo("spotter model %s", self._health.spotter[:12])
         rospy.spin()
         self._over.set()

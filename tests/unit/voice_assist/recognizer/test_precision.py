@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""In which type of number the networks compute, and that what is heard stays the same."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import torch
+from torch import nn
+
+from support.theatre_sound import speak
+from voice_assist.assembly import _over_talk
+from voice_assist.config import CONFIG_DIR, load_voice_config
+from voice_assist.errors import ModelError
+from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
+from voice_assist.recognizer.embedded import EmbeddedRecognizer
+from voice_assist.recognizer.precision import AUTO, BFLOAT16, FLOAT32, dtype_for, quick
+from voice_assist.spotter.overlap import WINDOW, read_overlap
+
+COMMANDS = load_voice_config(CONFIG_DIR).commands.fixed_phrases
+in_bfloat16 = pytest.mark.skipif(
+    dtype_for("cpu") != torch.bfloat16, reason="needs a processor that multiplies bfloat16"
+)
+
+
+@pytest.fixture(scope="module")
+def recognizers() -> list[EmbeddedRecognizer]:
+    checkpoint = read_checkpoint(EMBEDDED_PATH)
+    types = (torch.float32, torch.bfloat16)
+    return [EmbeddedRecognizer("x", checkpoint, dtype=dtype) for dtype in types]
+
+
+@pytest.mark.parametrize(
+    ("has_it", "device", "precision", "expected"),
+    [
+        (True, "cpu", AUTO, torch.bfloat16),
+        (True, "cpu", BFLOAT16, torch.bfloat16),
+        (True, "cpu", FLOAT32, torch.float32),
+        (False, "cpu", AUTO, torch.float32),
+        (False, "cpu", FLOAT32, torch.float32),
+        (True, "cuda", AUTO, torch.float32),
+    ],
+)
+def test_auto_is_bfloat16_where_the_processor_has_it(
+    monkeypatch, has_it, device, precision, expected
+) -> None:
+    monkeypatch.setattr(torch.cpu, "_is_avx512_bf16_supported", lambda: has_it)
+    assert dtype_for(device, precision) == expected
+
+
+@pytest.mark.parametrize(("has_it", "device"), [(False, "cpu"), (True, "cuda")])
+def test_bfloat16_is_refused_where_it_cannot_be_had(monkeypatch, has_it, device) -> None:
+    monkeypatch.setattr(torch.cpu, "_is_avx512_bf16_supported", lambda: has_it)
+    refused = f"precision 'bfloat16' on {device}: .*avx512_bf16; allowed: auto, float32"
+    with pytest.raises(ModelError, match=refused):
+        dtype_for(device, BFLOAT16)
+
+
+def test_in_float32_it_is_the_network_itself() -> None:
+    network = nn.Sequential(nn.Linear(4, 3))
+    assert quick(network, torch.float32) is network
+
+
+@in_bfloat16
+@pytest.mark.parametrize("rows", [1, 20, 80, 500])
+def test_a_linear_map_in_bfloat16_rounds_only(rows: int) -> None:
+    torch.manual_seed(rows)
+    network = nn.Sequential(nn.Linear(384, 1536), nn.GELU(), nn.Linear(1536, 384, bias=False))
+    twin = quick(network, torch.bfloat16)
+    x = torch.randn(1, rows, 384)
+    with torch.inference_mode():
+        exact, found = network(x), twin(x)
+    assert found.dtype == torch.float32
+    error = (found - exact).abs().max() / exact.abs().max()
+    assert 0.0 < error < 0.01
+
+
+@in_bfloat16
+def test_all_other_weights_are_shared_and_no_linear_map_is_left(recognizers) -> None:
+    exact, rounded = recognizers
+    assert exact.network is exact.model
+    own = dict(rounded.model.named_parameters())
+    kept = dict(rounded.network.named_parameters())
+    assert set(kept) < set(own)
+    assert all(weight is own[name] for name, weight in kept.items())
+    assert not any(isinstance(module, nn.Linear) for module in rounded.network.modules())
+
+
+@in_bfloat16
+def test_every_command_is_written_and_scored_the_same(recognizers) -> None:
+    for phrase in COMMANDS:
+        said = np.pad(speak(phrase, "en-us", 150), 3200).astype(np.float32)
+        exact, rounded = (r.transcribe(said) for r in recognizers)
+        assert exact.text == rounded.text == phrase
+        assert rounded.confidence == pytest.approx(exact.confidence, abs=0.02)
+        before, after = (r.score(said, COMMANDS) for r in recognizers)
+        assert after == pytest.approx(before, abs=0.5, rel=0.02)
+
+
+@in_bfloat16
+def test_the_spotter_over_talk_scores_the_same() -> None:
+    exact, rounded = read_overlap()[0], _over_talk(BFLOAT16)[0]
+    word = speak("stop", "en-us", 150)
+    windows = [np.pad(word, (WINDOW - len(word) - late, late)) for late in (0, 1600, 8000)]
+    with torch.inference_mode():
+        sound = torch.from_numpy(np.stack(windows).astype(np.float32))
+        before, after = exact(sound)[0], rounded(sound)[0]
+    assert float(before.max()) > 3.0
+    torch.testing.assert_close(after, before, atol=0.2, rtol=0.02)
