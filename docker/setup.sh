@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
-# Sets the project up, one part per call: check | system FILE | python FILE | javascript | workspace | install PREFIX. `make` and docker/Dockerfile call
+# Sets the project up, one part per call: check | system FILE | python FILE | fetch FOLDER | javascript | workspace | install PREFIX. `make` and docker/Dockerfile call
 # the same parts.
 # FILE lists packages: of Debian (docker/apt-*.txt) or of Python (requirements*.txt).
 # Every part can be interrupted and run again; a part with nothing to do says so by saying nothing.
@@ -70,7 +70,9 @@ torch_build() {
     wished=$(torch_wished) || exit 1
     [ "$wished" = cpu ] || { echo cuda && return; }
     version=$(sed -n 's/^torch==\(.*+cpu\) --hash.*/\1/p' docker/constraints.txt)
-    if [ -d ".venv/lib/python3.11/site-packages/torch-$version.dist-info" ] ||
+    if [ -n "${WHEELS:-}" ]; then
+        [ -e "$(echo "$WHEELS/torch-$version"-*)" ] && echo cpu || echo cuda
+    elif [ -d ".venv/lib/python3.11/site-packages/torch-$version.dist-info" ] ||
         .venv/bin/python -m pip index versions torch 2>/dev/null | grep -qF "$version"; then
         echo cpu
     elif [ -n "${TORCH:-}" ]; then
@@ -125,6 +127,24 @@ put_back() {
     mv .venv.old .venv
 }
 
+# wheels: where they come from without a network: a folder that `fetch` filled.
+wheels() {
+    [ -n "${WHEELS:-}" ] || return 0
+    plain_path "$WHEELS" "WHEELS"
+    [ -d "$WHEELS" ] || fail "WHEELS is '$WHEELS', allowed: a folder that \`docker/setup.sh fetch FOLDER\` filled on a machine with a network"
+    printf '%s' "--no-index --find-links $WHEELS"
+}
+
+# fetch FOLDER: the Python packages of requirements.txt, for a machine without a network.
+fetch() {
+    case "${1:-}" in /*) ;; *) fail "The folder to fetch to must be an absolute path: docker/setup.sh fetch /media/stick/wheels" ;; esac
+    [ -x .venv/bin/python ] || fail "Run \`make setup\` first: its pip fetches"
+    pins=$(mktemp)
+    locked requirements.txt >"$pins"
+    .venv/bin/python -m pip download --no-deps --require-hashes --dest "$1" -r "$pins"
+    rm -f "$pins"
+}
+
 python_packages() {
     put_back # of a run that was killed
     trap put_back EXIT
@@ -138,7 +158,9 @@ python_packages() {
     locked "$1" $(sed -n 's/^-r //p' "$1") >"$pins"
     [ -s "$pins" ] || fail "docker/constraints.txt has no package of $1: .venv/bin/python docker/lock.py write"
     say "Python packages of $1: $(grep -c . "$pins")"
-    .venv/bin/python -m pip install --progress-bar on --no-deps --require-hashes -r "$pins"
+    from=$(wheels) || exit 1
+    .venv/bin/python -m pip install --progress-bar on --no-deps --require-hashes $from -r "$pins" ||
+        fail "The Python packages above could not be had. Without a network: docs/how-to/install.md#without-a-network"
     [ ! -e .venv.old ] || mv .venv.old .venv.gone # first, as removing it may be interrupted
     rm -rf .venv.gone
 }
@@ -261,9 +283,10 @@ check) ;;
 trim) trim ;;
 system) system_packages "${2:-docker/apt-packages.txt}" ;;
 python) python_packages "${2:-requirements.txt}" ;;
+fetch) fetch "${2:-}" ;;
 javascript) javascript_packages ;;
 workspace) workspace ;;
 install) install_space "${2:-}" ;;
 elsewhere) found_elsewhere ;;
-*) fail "usage: docker/setup.sh check | trim | system [FILE] | python [FILE] | javascript | workspace | install PREFIX | elsewhere" ;;
+*) fail "usage: docker/setup.sh check | trim | system [FILE] | python [FILE] | fetch FOLDER | javascript | workspace | install PREFIX | elsewhere" ;;
 esac

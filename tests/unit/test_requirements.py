@@ -112,16 +112,21 @@ def chosen(tmp_path, file, *, card=False, **environment):
     if card:
         (tmp_path / "proc/driver/nvidia").mkdir(parents=True)
         (tmp_path / "proc/driver/nvidia/version").touch()
+    done = called(tmp_path, "locked", file, **environment)
+    return [line.split()[0] for line in done.stdout.splitlines()], done.stderr
+
+
+def called(tmp_path, function, *words, **environment):
+    """A function of set-up, alone."""
     library = (ROOT / "docker/setup.sh").read_text(encoding="utf-8").partition("\nmachine\n")[0]
-    line = f'cd "{ROOT}/docker"; {library}\nlocked "$1"'
-    done = subprocess.run(
-        ["/bin/sh", "-c", line, str(ROOT / "docker/x"), file],
+    line = f'cd "{ROOT}/docker"; {library}\n{function} "$@"'
+    return subprocess.run(
+        ["/bin/sh", "-c", line, str(ROOT / "docker/x"), *words],
         env={"PATH": os.environ["PATH"], "SYSTEM_ROOT": str(tmp_path), **environment},
         capture_output=True,
         text=True,
         check=False,
     )
-    return [line.split()[0] for line in done.stdout.splitlines()], done.stderr
 
 
 CPU, CUDA = "torch==2.13.0+cpu", "torch===2.13.0"
@@ -143,6 +148,31 @@ def test_the_variable_comes_before_the_card(tmp_path):
 def test_another_word_for_the_choice_is_refused(tmp_path):
     packages, said = chosen(tmp_path, "requirements.txt", TORCH="gpu")
     assert not packages and "TORCH=gpu, allowed: cpu, cuda" in said
+
+
+def test_without_a_network_torch_is_the_build_that_was_fetched(tmp_path):
+    other, cpu = tmp_path / "cuda", tmp_path / "cpu"
+    for folder in (other, cpu):
+        folder.mkdir()
+    (cpu / "torch-2.13.0+cpu-cp311-cp311-manylinux_2_28_x86_64.whl").touch()
+    for folder, build in ((cpu, CPU), (other, CUDA)):
+        packages, _ = chosen(tmp_path, "requirements.txt", WHEELS=str(folder))
+        assert [p for p in packages if p.startswith("torch=")] == [build]
+
+
+def test_wheels_come_from_a_folder_that_is_there(tmp_path):
+    assert called(tmp_path, "wheels").stdout == ""
+    found = called(tmp_path, "wheels", WHEELS=str(tmp_path))
+    assert found.stdout == f"--no-index --find-links {tmp_path}"
+    for gone in (tmp_path / "gone", tmp_path / "a folder"):
+        refused = called(tmp_path, "wheels", WHEELS=str(gone))
+        assert refused.returncode == 1 and refused.stdout == "" and str(gone) in refused.stderr
+
+
+def test_packages_are_fetched_to_an_absolute_path(tmp_path):
+    for folder in ((), ("wheels",)):
+        refused = called(tmp_path, "fetch", *folder)
+        assert refused.returncode == 1 and "must be an absolute path" in refused.stderr
 
 
 def test_each_file_has_its_own_packages(tmp_path):
