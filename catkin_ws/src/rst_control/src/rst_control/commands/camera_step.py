@@ -9,7 +9,7 @@ trocar, so that the tip goes that way in the picture and the depth stays; the wr
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 from rst_control.commands.request import Accepted, PlanningContext
 from rst_control.commands.spec import CommandSpec, LimitOfCommand, Load, TissueNeeded
 from rst_control.config.camera import CameraStepConfig
-from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.rotations import turned
 from rst_control.planning.plan import PhaseKind
-from rst_control.planning.planner import Planner
 from rst_control.types import Reason, Vector, unit_vector
+
+if TYPE_CHECKING:
+    from rst_control.planning.planner import Planner
 
 Array = NDArray[np.float64]
 
@@ -125,6 +126,8 @@ def step_goal(planner: Planner, step: tuple[int, int, int], q: Vector) -> Array:
         TiltOutOfRange: The shaft would lean too far over, and further than it does.
         CameraAskew: That way is nearly the way to the trocar.
     """
+    from rst_control.kinematics.configuration import Configuration
+
     here, trocar, config = Configuration(planner.model, q), planner.trocar, _settings(planner)
     goal, shaft = here.T_base_tip, here.T_base_shaft[:3, 2]
     right, up, inward = step

@@ -4,17 +4,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from rst_control.commands.request import PlanningContext
 from rst_control.commands.spec import Load
 from rst_control.errors import Infeasible
-from rst_control.kinematics.configuration import Configuration
 from rst_control.planning.plan import Grasp, Phase, PhaseKind
-from rst_control.trajectory.path import Path
 from rst_control.types import Vector
+
+if TYPE_CHECKING:
+    from rst_control.trajectory.path import Path
 
 NEAR: Final = 3e-3  # [rad] that joints may be beside the pull's path to be led back onto it
 SAME: Final = 1e-6  # [rad] beside their place on it that is none
@@ -74,6 +75,8 @@ def _distance(context: PlanningContext, grasp: Grasp) -> float:
 def _place_on(pull: Path, context: PlanningContext) -> float:
     """Where the straight pull is nearest to the tip [m]."""
     ends = (pull.start, pull.end, context.q)
+    from rst_control.kinematics.configuration import Configuration
+
     first, last, here = (Configuration(context.planner.model, q).tip for q in ends)
     share = (here - first) @ (last - first) / ((last - first) @ (last - first))
     return float(np.clip(share, 0.0, 1.0)) * pull.length

@@ -3,12 +3,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from rst_control.commands.request import Accepted, PlanningContext
-from rst_control.kinematics.configuration import planning_joints
-from rst_control.planning.insertion import Leg
-from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.types import Reason, Rejected
+
+if TYPE_CHECKING:
+    from rst_control.planning.insertion import Leg
+    from rst_control.planning.patient_surface import TrocarPose
 
 
 def insert(context: PlanningContext) -> Accepted | Rejected:
@@ -39,6 +42,8 @@ def withdraw(context: PlanningContext) -> Accepted | Rejected:
 
 def _trocar_pose(context: PlanningContext) -> TrocarPose:
     """Of the measured joints."""
+    from rst_control.kinematics.configuration import planning_joints
+
     q, _ = planning_joints(context.measured.position)
     return context.planner.patient.trocar_pose(q)
 

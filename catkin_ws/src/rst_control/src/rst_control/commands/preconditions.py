@@ -3,14 +3,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from rst_control.commands.request import Situation
 from rst_control.commands.spec import CommandSpec, Place, Role, TissueNeeded
 from rst_control.errors import InsertionOutOfRange, TrocarDrift
-from rst_control.kinematics.configuration import planning_joints
-from rst_control.planning.patient_surface import TrocarPose
-from rst_control.planning.planner import Planner
 from rst_control.robot.health import robot_unfit
 from rst_control.types import NOT_CONNECTED, ControllerMode, Measurement, Reason, Rejected, State
+
+if TYPE_CHECKING:
+    from rst_control.planning.patient_surface import TrocarPose
+    from rst_control.planning.planner import Planner
 
 
 def mode_refusal(command: CommandSpec, mode: ControllerMode) -> Rejected | None:
@@ -56,6 +59,8 @@ class Preconditions:
 
     def _place(self, command: CommandSpec, measured: Measurement) -> Rejected | None:
         """Whether the tool is where the command begins."""
+        from rst_control.kinematics.configuration import planning_joints
+
         q, _ = planning_joints(measured.position)
         place = self._patient.trocar_pose(q)
         if command.place is Place.INSIDE_OR_HOLDING and measured.gripped:

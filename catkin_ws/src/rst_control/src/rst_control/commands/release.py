@@ -4,14 +4,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from rst_control.commands.held_tissue import remembered, seated
 from rst_control.commands.preconditions import is_off_trocar
 from rst_control.commands.request import Accepted, PlanningContext
 from rst_control.errors import Infeasible
-from rst_control.kinematics.configuration import planning_joints
 from rst_control.planning.plan import Grasp, Phase, PhaseKind
-from rst_control.trajectory.path import Path
+
+if TYPE_CHECKING:
+    from rst_control.trajectory.path import Path
 
 
 def plan(context: PlanningContext) -> Accepted:
@@ -32,6 +34,8 @@ def plan(context: PlanningContext) -> Accepted:
 
 def _is_measured_off_trocar(context: PlanningContext) -> bool:
     """So far that the arm may not move: opening the jaws has to do."""
+    from rst_control.kinematics.configuration import planning_joints
+
     q, _ = planning_joints(context.measured.position)
     place = context.planner.patient.trocar_pose(q)
     return is_off_trocar(place, context.planner.config.rcm.measured_tolerance)

@@ -5,17 +5,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rst_control.commands.spec import FURTHEST_PULL, TENSION_TARGET, CommandSpec
 from rst_control.config import ControllerConfig
-from rst_control.kinematics.configuration import planning_joints
-from rst_control.planning.insertion import Insertion
 from rst_control.planning.plan import Grasp, Phase, PhaseKind
-from rst_control.planning.planner import Planner, along
-from rst_control.trajectory.path import Path
 from rst_control.types import ControllerMode, Measurement, Vector
+
+if TYPE_CHECKING:
+    from rst_control.planning.insertion import Insertion
+    from rst_control.planning.planner import Planner
+    from rst_control.trajectory.path import Path
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,11 +117,15 @@ class PlanningContext:
     def q(self) -> Vector:
         """Joints at which the plan starts [rad]. Shape (9,)."""
         setpoint = self.situation.setpoint
+        from rst_control.kinematics.configuration import planning_joints
+
         joints = self.measured.position if setpoint is None else setpoint
         return planning_joints(np.asarray(joints))[0]
 
     def along(self, kind: PhaseKind, path: Path, speed: float) -> Phase:
         """Phase from one end of a path to the other, at up to `speed` [m/s]."""
+        from rst_control.planning.planner import along
+
         return along(self.planner, kind, path, speed)
 
     def accept(self, words: str, phases: Sequence[Phase], grasp: Grasp | None = None) -> Accepted:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -19,10 +19,12 @@ from rst_control.commands.tension_limits import (
 )
 from rst_control.errors import Infeasible, NoGrasp
 from rst_control.planning.plan import Grasp, Phase, PhaseKind
-from rst_control.planning.planner import Planner
-from rst_control.tissue.grasp_candidates import GraspCandidate
-from rst_control.trajectory.path import Path
 from rst_control.types import Rejected, Vector
+
+if TYPE_CHECKING:
+    from rst_control.planning.planner import Planner
+    from rst_control.tissue.grasp_candidates import GraspCandidate
+    from rst_control.trajectory.path import Path
 
 MAX_PLANNED: Final = 12  # candidates whose paths are planned, the best first
 ENOUGH_MARGIN: Final = 0.15  # share of a joint's half range; more to its limit is no better

@@ -5,8 +5,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import TYPE_CHECKING
 
-from rst_control.trajectory.path import Path
+if TYPE_CHECKING:
+    from rst_control.trajectory.path import Path
 
 
 class PhaseKind(Enum):
