@@ -61,7 +61,8 @@ def enroll(voice: VoiceConfig, asked: EnrolRequest, ask: Callable[[str], str] = 
     console, config = Console(), load_enrolment_config(asked.settings)
     _warn_of_alikes(voice.commands, console)
     recorded = _recorded(asked, config.session_reader, voice.commands.fixed_phrases)
-    base = load_recognizer(voice.recognizer.model)  # learning computes on the processor
+    recognizer = voice.recognizer  # whose device may be another: learning needs none
+    base = load_recognizer(recognizer.model, precision=recognizer.precision)
     profile = _open_or_create(asked, base)
     check = TakeCheck(config.checks, voice.commands, base)
     script = EnrolmentScript(profile, config, voice.commands.fixed_phrases, check)

@@ -43,7 +43,8 @@ class EnrolmentNode:
         """Load the base recogniser and announce the service."""
         self._voice, config = _settings()
         limit_torch(self._voice)
-        base = load_recognizer(self._voice.recognizer.model)  # learning computes on the processor
+        recognizer = self._voice.recognizer  # whose device may be another: learning needs none
+        base = load_recognizer(recognizer.model, precision=recognizer.precision)
         root, self._mode = profiles_folder(self._voice.profile.folder), ""
         args = self._voice, config, base, root, self._listen, self._is_armed
         self._service = EnrolmentService(*args)
