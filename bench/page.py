@@ -33,8 +33,9 @@ its bound does not. "None" in the column of targets: reported without one. Where
 decides a figure was changed after it was measured, the table says so. Older results lack some
 fields: "-".
 
-What is of 28 November 2026 was measured on a machine a quarter slower than what is older. Hearing
-takes nine tenths of one of its two cores while the robot moves, so a "stop" is late there.
+What is of 28 November 2026 was measured on a machine a quarter slower than what is older. There
+hearing took nine tenths of a core while the robot moved, so a "stop" was late. `safety.spoken` and
+`voice.precision` are of networks that compute in bfloat16, and come sooner.
 """
 SAME = "the same decisions"
 WHO = {HUMAN: HUMAN, SYNTHETIC: SYNTHETIC, "people:": HUMAN}  # by words in a figure's name
