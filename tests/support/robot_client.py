@@ -134,6 +134,7 @@ class RobotClient:
         self.activate()
         if self.state.tissue_held:
             self.say_and_finish("release")
+        self.wait(lambda: self.speed() < 1e-3)
 
     def leave(self) -> None:
         """Leave the robot as it was found: in standby, with nothing grasped."""

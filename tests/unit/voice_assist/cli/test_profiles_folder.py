@@ -97,7 +97,9 @@ def test_a_question_without_an_answer_deletes_nothing(profiles, capsys, monkeypa
 
 @pytest.mark.parametrize("verb", [["profiles", "list"], ["enroll", "ada"]])
 def test_a_file_is_no_folder_of_profiles(tmp_path, capsys, monkeypatch, verb):
-    monkeypatch.setattr("voice_assist.recognizer.load_recognizer", FakeRecognizer)
+    monkeypatch.setattr(
+        "voice_assist.recognizer.load_recognizer", lambda *_, **__: FakeRecognizer()
+    )
     (tmp_path / "file").write_text("")
     shown = refused(capsys, *verb, "--profiles", tmp_path / "file")
     assert f"profiles in '{tmp_path / 'file'}': it is no folder; allowed" in shown.err
