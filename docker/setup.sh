@@ -70,15 +70,22 @@ torch_build() {
     wished=$(torch_wished) || exit 1
     [ "$wished" = cpu ] || { echo cuda && return; }
     version=$(sed -n 's/^torch==\(.*+cpu\) --hash.*/\1/p' docker/constraints.txt)
-    if [ -n "${WHEELS:-}" ]; then
-        [ -e "$(echo "$WHEELS/torch-$version"-*)" ] && echo cpu || echo cuda
-    elif [ -d ".venv/lib/python3.11/site-packages/torch-$version.dist-info" ] ||
-        .venv/bin/python -m pip index versions torch 2>/dev/null | grep -qF "$version"; then
+    if has_torch "$version"; then
         echo cpu
     elif [ -n "${TORCH:-}" ]; then
-        fail "TORCH=cpu, but the package index has no torch $version: name one that has in PIP_EXTRA_INDEX_URL, or set TORCH=cuda"
+        fail "TORCH=cpu, but ${WHEELS:-the package index} has no torch $version: name one that has in PIP_EXTRA_INDEX_URL, or set TORCH=cuda"
     else
         echo cuda
+    fi
+}
+
+# has_torch VERSION: whether it can be had, or is there.
+has_torch() {
+    if [ -n "${WHEELS:-}" ]; then
+        [ -e "$(echo "$WHEELS/torch-$1"-*)" ]
+    else
+        [ -d ".venv/lib/python3.11/site-packages/torch-$1.dist-info" ] ||
+            .venv/bin/python -m pip index versions torch 2>/dev/null | grep -qF "$1"
     fi
 }
 
@@ -140,9 +147,9 @@ fetch() {
     case "${1:-}" in /*) ;; *) fail "The folder to fetch to must be an absolute path: docker/setup.sh fetch /media/stick/wheels" ;; esac
     [ -x .venv/bin/python ] || fail "Run \`make setup\` first: its pip fetches"
     pins=$(mktemp)
+    trap 'rm -f "$pins"' EXIT
     locked requirements.txt >"$pins"
     .venv/bin/python -m pip download --no-deps --require-hashes --dest "$1" -r "$pins"
-    rm -f "$pins"
 }
 
 python_packages() {

@@ -158,6 +158,8 @@ def test_without_a_network_torch_is_the_build_that_was_fetched(tmp_path):
     for folder, build in ((cpu, CPU), (other, CUDA)):
         packages, _ = chosen(tmp_path, "requirements.txt", WHEELS=str(folder))
         assert [p for p in packages if p.startswith("torch=")] == [build]
+    packages, said = chosen(tmp_path, "requirements.txt", WHEELS=str(other), TORCH="cpu")
+    assert not packages and f"TORCH=cpu, but {other} has no torch 2.13.0+cpu" in said
 
 
 def test_wheels_come_from_a_folder_that_is_there(tmp_path):
