@@ -35,7 +35,7 @@ fields: "-".
 
 What is of 28 November 2026 was measured on a machine a quarter slower than what is older. There
 hearing took nine tenths of a core while the robot moved, so a "stop" was late. `safety.spoken` and
-`voice.precision` are of networks that compute in bfloat16, and come sooner.
+`system.cost` are newer: of networks that compute in bfloat16.
 """
 SAME = "the same decisions"
 WHO = {HUMAN: HUMAN, SYNTHETIC: SYNTHETIC, "people:": HUMAN}  # by words in a figure's name

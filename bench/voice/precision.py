@@ -14,11 +14,12 @@ from dataclasses import replace
 import torch
 
 from bench.voice import overlap
-from bench.voice.hearing.pieces import MODEL, Trial
+from bench.voice.hearing.pieces import MODEL, SceneRecord, Trial
 from bench.voice.hearing.replay_stream import SceneListener, SceneResult
 from bench.voice.material.held_out_voices import natives, spread
 from bench.voice.material.mixing import trials_of
 from bench.voice.material.synthesis import spoken
+from bench.voice.outcomes import processor
 from bench.voice.trials import MOTIONS, OTHERS, STOP
 from support.figures import Figure, share
 from voice_assist.assembly import limit_torch
@@ -41,16 +42,15 @@ def measure() -> list[Figure]:
     exact, quick = (_heard(plans, precision) for precision in (FLOAT32, BFLOAT16))
     figures = []
     for name in plans:
-        pairs = list(zip(exact[name], quick[name], strict=True))
+        both = zip(exact[name], quick[name], strict=True)
+        pairs = [(one.heard, other.heard) for one, other in both]
         count = len(pairs)
         otherwise = sum(not is_same(*pair) for pair in pairs)
         figures.append(share(f"{name}: another command", otherwise, count, at_most=True))
         less_sure = sum(is_same(*pair) and not is_as_sure(*pair) for pair in pairs)
         figures.append(share(f"{name}: the same, but not as sure", less_sure, count, at_most=True))
-        for precision, heard in ((FLOAT32, exact), (BFLOAT16, quick)):
-            spent = sum(result.compute for result in heard[name])
-            streamed = sum(result.streamed for result in heard[name])
-            figures.append(Figure(f"{name}: processor, {precision}", 100.0 * spent / streamed, "%"))
+        for precision, records in ((FLOAT32, exact[name]), (BFLOAT16, quick[name])):
+            figures.append(Figure(f"{name}: processor, {precision}", processor(records), "%"))
     return figures
 
 
@@ -76,8 +76,11 @@ def _plans() -> Iterator[tuple[str, Sequence[Trial]]]:
             yield f'talk, "stop" in most of it, {state}', some
 
 
-def _heard(plans: dict[str, Sequence[Trial]], precision: str) -> dict[str, list[SceneResult]]:
+def _heard(plans: dict[str, Sequence[Trial]], precision: str) -> dict[str, list[SceneRecord]]:
     listener = SceneListener(MODEL, recognizer__precision=precision)
-    return {
-        name: [listener(trial.scene()[1]) for trial in trials] for name, trials in plans.items()
-    }
+
+    def record(trial: Trial) -> SceneRecord:
+        label, scene = trial.scene()
+        return SceneRecord(label, listener(scene))
+
+    return {name: [record(trial) for trial in trials] for name, trials in plans.items()}
