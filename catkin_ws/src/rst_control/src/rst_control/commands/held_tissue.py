@@ -74,9 +74,9 @@ def _distance(context: PlanningContext, grasp: Grasp) -> float:
 
 def _place_on(pull: Path, context: PlanningContext) -> float:
     """Where the straight pull is nearest to the tip [m]."""
-    ends = (pull.start, pull.end, context.q)
     from rst_control.kinematics.configuration import Configuration
 
+    ends = (pull.start, pull.end, context.q)
     first, last, here = (Configuration(context.planner.model, q).tip for q in ends)
     share = (here - first) @ (last - first) / ((last - first) @ (last - first))
     return float(np.clip(share, 0.0, 1.0)) * pull.length

@@ -116,9 +116,9 @@ class PlanningContext:
     @property
     def q(self) -> Vector:
         """Joints at which the plan starts [rad]. Shape (9,)."""
-        setpoint = self.situation.setpoint
         from rst_control.kinematics.configuration import planning_joints
 
+        setpoint = self.situation.setpoint
         joints = self.measured.position if setpoint is None else setpoint
         return planning_joints(np.asarray(joints))[0]
 
