@@ -52,7 +52,7 @@ class AskTrial:
 def measure() -> list[Figure]:
     """Commands won back, false motions, and questions about nothing."""
     plans = _plans()
-    # The key of other pieces knows nothing of questions, which are off as shipped.
+    # The key of other pieces knows nothing of questions, which count as refusals there.
     found, count = pieces.found(f"ask-{identity(HEARING)}", plans, PER_CHUNK)
     figures = [count]
     for name, records in found.items():

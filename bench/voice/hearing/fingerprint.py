@@ -46,7 +46,10 @@ DIGITS = 3  # of full scale, in an outline
 VERIFIER = ("voice_assist/verifier.pt",)
 GONE = 1000.0  # [nat] of a setting that never decided; as when rows were first kept
 UNASKED = (False, 0.5, 2.0, "yes", 3.0)  # of settings that decide nothing; as in rows first kept
-UNHEARD = {"recognizer__hung_after": 0.35}  # of the node alone; as when rows were first kept
+UNHEARD = {  # what the rows do not measure; as when they were first kept
+    "recognizer__hung_after": 0.35,  # of the node alone
+    "recognizer__ask__is_enabled": False,  # a question counts as a refusal
+}
 
 
 def decisions(model: str, is_moving: bool = False) -> list[list[object]]:

@@ -110,7 +110,7 @@ class Deaf:
 
 
 class SceneListener:
-    """Streams scenes, one pipeline per way.
+    """Streams scenes, one pipeline per way. A question counts as a refusal, but where a scene asks.
 
     Time is the stream's plus the CPU time of the work, so that what else runs on the machine
     lengthens nothing.
@@ -123,7 +123,7 @@ class SceneListener:
             model: That listens.
             **changes: Of the settings, as `load_voice_config` takes them.
         """
-        self._changes = {"recognizer__model": model, **changes}
+        self._changes = {"recognizer__model": model, "recognizer__ask__is_enabled": False, **changes}
         self._config = load_voice_config(**self._changes)
         self._recognizer = make_recognizer(self._config)
         self._clock = StreamClock(time.process_time)
@@ -159,11 +159,8 @@ class SceneListener:
         if (way, asks) not in self._pipelines:
             config = self._config
             if way == "recogniser" or asks:
-                config = load_voice_config(
-                    recognizer__ask__is_enabled=asks,
-                    spotter__is_enabled=way != "recogniser",
-                    **self._changes,
-                )
+                changes = self._changes | {"recognizer__ask__is_enabled": asks}
+                config = load_voice_config(spotter__is_enabled=way != "recogniser", **changes)
             recognizer: Recognizer = Deaf() if way == "spotter" else self._recognizer
             pipeline = make_pipeline(config, self._clock, recognizer)
             noise = np.random.default_rng(0).standard_normal(2 * RATE)

@@ -164,9 +164,14 @@ def test_an_unknown_language_is_refused_with_those_there_are(use):
         use("it")
 
 
+@pytest.mark.parametrize(("language", "is_asking"), [("en", True), ("de", False), ("ja", False)])
+def test_a_nearly_sure_motion_is_asked_for_where_none_is_said_twice(language, is_asking):
+    assert load_voice_config(language=language).is_asking is is_asking
+
+
 def test_what_only_english_has_is_refused_by_name():
     with pytest.raises(CommandsError, match=r"ask.is_enabled.*language de"):
-        load_voice_config(language="de", recognizer__ask__is_enabled=True)
+        load_voice_config(language="de", commands__said_twice=False)
     with pytest.raises(CommandsError, match="amounts are English words"):
         replace(commands_in("fr"), amounts=True)
     with pytest.raises(CommandsError, match="English, in letters a to z"):

@@ -88,7 +88,6 @@ def test_nothing_is_asked_for_in_standby():
 
 
 def test_where_nothing_is_asked_for_what_is_nearly_sure_is_refused():
-    assert not CONFIG.ask.is_enabled
     events = hear(f"0.3 pull more 0.8 {YES}", is_enabled=False)
     assert actions(events) == []
     assert reasons(events)[0] is RejectionReason.SOUNDS_LIKE_ANOTHER

@@ -10,6 +10,7 @@ from voice_assist.types import Mode, RejectionReason
 
 MOTIONS = ("tense", "release", "pull more", "pull less")
 LEAST = load_voice_config().recognizer.motion_verification
+TOO_LOW = load_voice_config().recognizer.ask.min_verification - 0.1  # even to be asked for
 
 
 class Asked(FakeRecognizer):
@@ -26,12 +27,12 @@ class Asked(FakeRecognizer):
 
 @pytest.mark.parametrize("command", MOTIONS)
 def test_a_motion_of_too_low_odds_is_refused_with_them_and_what_is_allowed(command):
-    events = hear(command, recognizer=FakeRecognizer(odds={command: LEAST - 1.5}))
+    events = hear(command, recognizer=FakeRecognizer(odds={command: TOO_LOW}))
     assert commands(events) == []
     (refusal,) = refusals(events)
     assert refusal.nearest_command == command
     assert refusal.rejection.reason is RejectionReason.SOUNDS_LIKE_ANOTHER
-    found = f"it sounds like another word that is written {command!r}: {LEAST - 1.5:.1f} nat"
+    found = f"it sounds like another word that is written {command!r}: {TOO_LOW:.1f} nat"
     assert refusal.rejection.words == f"{found}, allowed: at least {LEAST:g}"
 
 

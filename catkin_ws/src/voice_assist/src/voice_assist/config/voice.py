@@ -275,14 +275,19 @@ class VoiceConfig:
             CommandsError: What is spotted is no command that halts, or something is asked for that
                 only English has.
         """
-        language, asks = self.commands.language, self.recognizer.ask.is_enabled
-        if asks and language != ENGLISH:
-            allowed = f"false with language {language}"
+        language = self.commands.language
+        if self.is_asking and language != ENGLISH:
+            allowed = f"false with language {language}, where said_twice is false"
             raise CommandsError("recognizer.ask.is_enabled", True, allowed)
         halts = [c.phrase for c in self.commands.commands if c.is_halt]
         if self.spotter.is_enabled and self.spotter.phrase not in halts:
             allowed = ", ".join(halts) or "none"
             raise CommandsError("spotter.phrase", self.spotter.phrase, allowed)
+
+    @property
+    def is_asking(self) -> bool:
+        """Whether a motion that is nearly sure is asked for; not where all are said twice."""
+        return self.recognizer.ask.is_enabled and not self.commands.said_twice
 
     @property
     def is_multilingual(self) -> bool:

@@ -55,7 +55,7 @@ class Decider:
         self._config, self._recognizer_config = config, config.recognizer
         self._mapper, self._decoder = mapper, decoder
         self._rejection_rules = rejection_rules
-        self._is_asking = config.recognizer.ask.is_enabled and not config.commands.said_twice
+        self._is_asking = config.is_asking
         early = config.recognizer.early
         self._early_decision = EarlyDecision(mapper, config.commands, early, stop_fusion)
         stop_rules = stop_fusion, self._early_decision, stop_in_sound
