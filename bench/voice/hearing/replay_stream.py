@@ -123,7 +123,8 @@ class SceneListener:
             model: That listens.
             **changes: Of the settings, as `load_voice_config` takes them.
         """
-        self._changes = {"recognizer__model": model, "recognizer__ask__is_enabled": False, **changes}
+        unasked = {"recognizer__ask__is_enabled": False}
+        self._changes: dict[str, Any] = {"recognizer__model": model, **unasked, **changes}
         self._config = load_voice_config(**self._changes)
         self._recognizer = make_recognizer(self._config)
         self._clock = StreamClock(time.process_time)
