@@ -37,12 +37,13 @@ What is of 28 November 2026 was measured on a machine a quarter slower than what
 hearing took nine tenths of a core while the robot moved, so a "stop" was late. `safety.spoken` and
 `system.cost` are newer: of networks that compute in bfloat16.
 """
-SAME = "the same decisions"
+SAME, ALIKE = "the same decisions", "the same motions"
 WHO = {HUMAN: HUMAN, SYNTHETIC: SYNTHETIC, "people:": HUMAN}  # by words in a figure's name
 AGES = {
     None: "**Which code was measured is not recorded.**",
     False: "**The code was changed since.**",
     SAME: "Hearing was changed since. On 72 fixed clips, 24 more in motion, it decides the same.",
+    ALIKE: "The controller was changed since. In nine fixed sessions of 12 s it moves the same.",
     True: "The code is as measured.",
 }
 
@@ -63,8 +64,11 @@ class Result:
         """Which of `AGES` holds."""
         if self.code is None:
             return None
-        if self.code == identity(self.part.rooms):
+        now = identity(self.part.rooms)
+        if self.code == now:
             return True
+        if figures.moves_alike(self.code, now):
+            return ALIKE
         is_same = bool(self.decisions) and self.decisions == figures.decided_now(self.part.decides)
         return SAME if is_same and self.beside == beside_hearing(self.part.rooms) else False
 

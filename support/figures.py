@@ -30,6 +30,7 @@ ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "bench" / "results"
 DRAWS = 10_000  # of groups, for a bound
 DECISIONS = RESULTS / "voice" / "decisions.json"  # see bench/voice/hearing/fingerprint.py
+FIXED_SESSIONS = RESULTS / "site" / "fixed_sessions.json"  # see bench/site/fixed_sessions.py
 SEVERAL = "several"  # in place of the code of a result whose pieces are of different code
 
 
@@ -233,6 +234,17 @@ def decided_now(which: str) -> str:
     """
     noted = json.loads(DECISIONS.read_text(encoding="utf-8")) if DECISIONS.is_file() else {}
     return str(noted.get(which, "")) if noted.get("code") == identity(HEARING) else ""
+
+
+def moves_alike(code: str, now: str) -> bool:
+    """Whether two versions of the controller were found to do the same in fixed sessions.
+
+    Args:
+        code: Digest of the older one.
+        now: Of the present one.
+    """
+    noted = json.loads(FIXED_SESSIONS.read_text("utf-8")) if FIXED_SESSIONS.is_file() else {}
+    return code in noted and noted[code] == noted.get(now)
 
 
 def show(figures: Sequence[Figure], console: Console) -> None:

@@ -109,6 +109,30 @@ def test_changed_code_that_decides_the_same_on_fixed_clips_is_marked_so(
 
 
 @pytest.mark.parametrize(
+    ("noted", "age"),
+    [
+        ({"other": "a", "now": "a"}, page.ALIKE),
+        ({"other": "a", "now": "b"}, False),
+        ({"other": "a"}, False),
+        ({"now": "a"}, False),
+        ({}, False),
+        (None, False),
+    ],
+)
+def test_changed_code_that_moves_the_same_in_fixed_sessions_is_marked_so(
+    tmp_path, monkeypatch, noted, age
+):
+    file = tmp_path / "fixed_sessions.json"
+    if noted is not None:
+        known = {identity(PART.rooms) if code == "now" else code: m for code, m in noted.items()}
+        file.write_text(json.dumps(known))
+    monkeypatch.setattr(support_figures, "FIXED_SESSIONS", file)
+    assert on_file(tmp_path, SHARE, code="other").age == age
+    if age:
+        assert page.AGES[age] in page.text(tmp_path)
+
+
+@pytest.mark.parametrize(
     ("beside", "age"), [("the present", page.SAME), ("other", False), ("", False)]
 )
 def test_what_rests_on_more_than_hearing_is_the_same_only_where_that_is(

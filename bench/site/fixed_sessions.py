@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the robot does in fixed sessions, so that a change of code elsewhere ages no figure.
+
+A session of commands is simulated in each plant, led by set-points and by velocities. Where two
+versions of the code move alike in all of them, figures of the older one are marked so on the page.
+Run `python -m bench.site.fixed_sessions` before and after a change of the controller.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from itertools import product
+from typing import Any, Final
+
+from bench.common.resumable import digest
+from bench.site.plant import ALL_PLANTS, REFUSED, make_rig
+from bench.site.plant_session import Session
+from support.figures import FIXED_SESSIONS
+from support.product_code import CONTROLLER, KINOVA, PLANT, SIMULATION, identity
+
+SECONDS: Final = 12.0  # simulated, of each
+DIGITS: Final = 9  # of what is measured in SI units: nanometres
+
+
+def moved() -> str:
+    """Digest of all that the sessions showed."""
+    seen = {}
+    for lead, plant in product(("set-points", "velocities"), ALL_PLANTS):
+        if (lead, plant) != REFUSED:
+            with make_rig(lead, plant) as rig:
+                session = Session(rig, lead == "velocities").run(SECONDS)
+            seen[f"{lead}, {plant}"] = _rounded(asdict(session))
+    return digest(seen)
+
+
+def note(found: str) -> None:
+    """Note what the present code does, beside what older code did."""
+    noted = json.loads(FIXED_SESSIONS.read_text("utf-8")) if FIXED_SESSIONS.is_file() else {}
+    present = {identity(rooms): found for rooms in (CONTROLLER, SIMULATION, KINOVA, PLANT)}
+    text = json.dumps(noted | present, indent=1) + "\n"
+    FIXED_SESSIONS.write_text(text, encoding="utf-8")
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, float):
+        return round(value, DIGITS) + 0.0  # no minus zero
+    if isinstance(value, dict):
+        return {key: _rounded(one) for key, one in value.items()}
+    return [_rounded(one) for one in value] if isinstance(value, list | tuple) else value
+
+
+if __name__ == "__main__":
+    note(moved())
