@@ -9,6 +9,7 @@ import pytest
 
 from session_log.cli import main
 from session_log.export import sound_stream
+from session_log.mcap_file.writer import SessionWriter
 from session_log.recording.recorder import MANY_PUBLISHERS
 from session_log.types import Message, MessageSource
 from support.story import Story, recording_of
@@ -136,7 +137,7 @@ def test_recover_keeps_what_is_known_of_a_session_without_messages(tmp_path, cap
 
 def test_export_gives_tables_and_the_sound(story, tmp_path, capsys):
     code, out, _ = run(capsys, "export", story[0], "--out", tmp_path)
-    assert code == 0 and "0 lost" in out
+    assert code == 0 and "0 lost" in out and "closed" not in out
     with (tmp_path / "voice_assist_utterance.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [row["command"] for row in rows[:2]] == ["hey robot", "tense"]
@@ -163,6 +164,25 @@ def test_export_of_a_topic_that_was_not_recorded_says_so(story, tmp_path, capsys
     code, out, _ = run(capsys, "export", story[0], "--out", tmp_path, *topics)
     assert code == 1 and "/none: nothing recorded" in out
     assert (tmp_path / "rst_control_event.csv").is_file()
+
+
+def test_export_of_a_recording_that_was_not_closed_says_so_and_is_no_failure(tmp_path, capsys):
+    writer = SessionWriter(tmp_path / "s.mcap")
+    writer.abandon()
+    code, out, _ = run(capsys, "export", tmp_path / "s.mcap", "--out", tmp_path)
+    assert code == 0 and "not closed: the recorder was killed, or is still running\n" in out
+
+
+def test_export_of_a_damaged_recording_says_so_and_fails(story, tmp_path, capsys):
+    (tmp_path / "s.mcap").write_bytes(story[0].read_bytes()[:100_000])
+    code, out, _ = run(capsys, "export", tmp_path / "s.mcap", "--out", tmp_path)
+    assert code == 1 and "not closed" in out and "cut off inside a record" in out
+
+
+def test_export_of_messages_that_do_not_fit_fails(tmp_path, capsys):
+    path = write_foreign(tmp_path / "s.mcap", ["/rst_control/event"])
+    code, out, _ = run(capsys, "export", path, "--out", tmp_path)
+    assert code == 1 and "1 messages do not fit their definition" in out
 
 
 def test_export_takes_a_topic_without_its_leading_slash(story, tmp_path, capsys):
@@ -215,7 +235,7 @@ def test_report_over_a_folder_names_what_it_could_not_read(story, tmp_path, caps
     (tmp_path / "b.mcap").write_bytes(b"#ROSBAG V2.0")
     words = (tmp_path, "--no-pages", "--latex")
     code, out, err = run(capsys, "report", *words)
-    assert code == 0 and "1 sessions read, 1 not readable" in out
+    assert code == 1 and "1 sessions read, 1 not readable" in out
     assert err.startswith(f"not read: {tmp_path / 'b.mcap'}: ") and err.count("\n") == 1
     assert str(tmp_path / "report.html") in out and str(tmp_path / "latency.tex") in out
     assert (tmp_path / "a" / "report_summary.json").is_file()

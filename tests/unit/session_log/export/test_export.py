@@ -5,6 +5,7 @@ import wave
 
 import pytest
 
+from session_log.errors import SessionMissing
 from session_log.export.export import ParquetMissing, export_topics, flatten
 from session_log.mcap_file.decoder import Decoder
 from session_log.mcap_file.reader import SessionReader
@@ -74,6 +75,17 @@ def test_messages_of_another_encoding_are_counted_and_not_written(tmp_path):
     result = export_topics(reader, tmp_path / "out", ["/t"], "/none")
     assert (result.undecodable, result.rows) == (1, {})
     assert "recorded as 'cdr' with schema 'ros2msg'" in result.unfit["/t"]
+
+
+def test_a_disk_that_fails_while_it_is_read_names_the_recording(tmp_path, monkeypatch):
+    def broken(topics):
+        raise OSError(5, "Input/output error")
+        yield
+
+    reader = recording_of(tmp_path / "s.mcap")
+    monkeypatch.setattr(reader, "messages", broken)
+    with pytest.raises(SessionMissing, match=r"s\.mcap: Input/output error"):
+        export_topics(reader, tmp_path / "out", [], "/a")
 
 
 def flat(definition, layout, *values):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Messages decoded at once are what the decoder makes of each by itself."""
 
+import struct
+
 import numpy as np
 import pytest
 
@@ -51,6 +53,13 @@ def test_messages_of_one_size_and_other_layouts_are_distinguished():
     assert len({len(p) for p in payloads}) == 1
     assert list(batch.column("kind")) == ["ab", "a", "xy"]
     assert list(batch.column("command")) == ["c", "bc", "z"]
+
+
+def test_a_duration_below_zero_and_a_late_time_are_read():
+    payload = struct.pack("<iiII", -1, 500_000_000, 2**32 - 1, 0)
+    batch = Batch("test_msgs/T", "duration d\ntime t", [payload])
+    assert batch.column("d").tolist() == [-500_000_000]
+    assert batch.column("t").tolist() == [(2**32 - 1) * 10**9]
 
 
 def test_arrays_of_several_lengths_are_objects():

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from session_log.config import RecorderConfig
-from session_log.errors import SessionMissing
+from session_log.errors import RecordingFailed, SessionMissing
 from session_log.mcap_file import session_folder
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.session_folder import (
@@ -75,6 +75,15 @@ def test_a_number_that_became_free_is_not_taken_again(tmp_path):
     paths[4].unlink()
     record(tmp_path, b"newest")  # session_12.mcap comes after session_9.mcap
     assert [m.data for m in SessionReader(paths[0].parent).messages()] == [b"newest"]
+
+
+def test_a_folder_that_cannot_be_listed_is_no_place_for_a_recording(tmp_path, monkeypatch):
+    def unreadable(folder):
+        raise PermissionError(13, "Permission denied", str(folder))
+
+    monkeypatch.setattr(session_folder, "numbered_recordings", unreadable)
+    with pytest.raises(RecordingFailed, match="Permission denied"):
+        record(tmp_path, b"x")
 
 
 def test_recordings_of_one_folder_have_names_and_reports_of_their_own(tmp_path):

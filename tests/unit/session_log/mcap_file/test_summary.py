@@ -4,6 +4,7 @@
 import pytest
 
 from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.records import MAGIC
 from session_log.mcap_file.summary import read_summary
 from session_log.types import Message, MessageSource
 from support.story import recording_of
@@ -34,6 +35,16 @@ def test_length_and_rates_cover_what_was_recorded_though_the_clock_was_set_back(
     assert result.duration == pytest.approx(10.0 - unseen)
     assert result.topics["/t"].rate == pytest.approx(10.0, rel=0.03)
     assert result.topics["/late"].rate == pytest.approx(10.0, rel=0.03)
+
+
+def test_what_is_missing_is_said_though_the_header_is_lost(tmp_path):
+    source = MessageSource("/t", "a/B", "99", "int8 x")
+    path = recording_of(tmp_path / "s.mcap", [Message(source, b"x", NOW, k) for k in (1, 4)]).path
+    content = bytearray(path.read_bytes())
+    content[len(MAGIC)] = 0xFF  # what the first record is
+    path.write_bytes(content)
+    result = read_summary(SessionReader(path))
+    assert (result.condition.library, result.missing) == ("", 2)
 
 
 def test_times_of_another_writer_need_no_order(tmp_path):

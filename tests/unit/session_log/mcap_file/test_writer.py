@@ -116,6 +116,16 @@ def test_a_disk_that_is_full_from_the_start_keeps_no_empty_file(tmp_path, monkey
         assert writer.path.name == "session.mcap"
 
 
+def test_a_disk_that_becomes_read_only_meanwhile_is_named(tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    monkeypatch.setattr(writer_module, "DurableStream", lambda path: DurableStream(path, refuse))
+    monkeypatch.setattr(Path, "unlink", refuse)
+    with pytest.raises(RecordingFailed, match="Read-only file system"):
+        SessionWriter(tmp_path / "s.mcap")
+
+
 WRITE_UNTIL_KILLED = """
 import sys
 from pathlib import Path

@@ -138,6 +138,19 @@ def test_gaps_in_the_publishers_own_count_are_reported_and_recorded(tmp_path, re
     assert losses == {"/rst_control/event from /controller": "0 dropped, 3 missed"}
 
 
+def test_what_two_types_of_one_publisher_lost_is_summed(tmp_path, recorder_config):
+    config = replace(recorder_config, queue_messages=100)
+    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), config, time.time_ns)
+    tallies = [recorder.register(replace(text(), md5sum=md5sum)) for md5sum in ("a", "b")]
+    for _ in range(70):
+        for tally in tallies:
+            recorder.offer(tally, b"x")
+    recorder.start()
+    recorder.close()
+    losses = read_summary(SessionReader(tmp_path / "s.mcap")).losses
+    assert losses == {"/t from /p": "40 dropped, 0 missed"}
+
+
 def test_the_latched_message_from_before_the_connection_opens_no_gap(recorder_config):
     recorder = Recorder(pytest.fail, recorder_config, time.time_ns)
     source = source_of("/mode", "voice_assist/Mode", "/voice", is_latched=True)

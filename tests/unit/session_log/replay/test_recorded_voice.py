@@ -5,6 +5,7 @@ import pytest
 import yaml
 
 from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.recover import recover
 from session_log.mcap_file.writer import SessionWriter
 from session_log.replay.command import REPLAY_CONFIG
 from session_log.replay.config import ReplayConfig
@@ -33,13 +34,20 @@ def models_of(tmp_path):
                     story.say(1.0 + k, *AUDIO, **fields)
                     writer.add(story.messages[-1])
                 writer.commit()
-        config = load_file(ReplayConfig, REPLAY_CONFIG)
-        runs = read_voice(SessionReader(tmp_path / "session.mcap"), config).runs
-        found = [run.settings.get("model") for run in runs]
-        assert [run.facts.get("model") for run in runs] == found
+        reader = SessionReader(tmp_path / "session.mcap")
+        recover(reader, tmp_path / "session_recovered.mcap")
+        found = found_in(reader)
+        assert found_in(SessionReader(tmp_path / "session_recovered.mcap")) == found
         return found
 
     return read
+
+
+def found_in(reader):
+    runs = read_voice(reader, load_file(ReplayConfig, REPLAY_CONFIG)).runs
+    found = [run.settings.get("model") for run in runs]
+    assert [run.facts.get("model") for run in runs] == found
+    return found
 
 
 def test_what_the_next_run_records_before_its_sound_is_not_of_the_run_before(models_of):

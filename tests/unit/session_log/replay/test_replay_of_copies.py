@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A recovered copy is replayed where it is named, and a replay of nothing is no success."""
 
-import shutil
-
 import pytest
 import yaml
 
 from session_log.cli import main
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.recover import recover
 from session_log.replay.command import REPLAY_CONFIG
 from tests.unit.session_log.support import fake_pipeline
 from tests.unit.session_log.support.fake_pipeline import MADE, PLANS
@@ -35,7 +35,7 @@ def replayed(tmp_path, capsys):
 def test_a_recovered_copy_that_is_named_is_replayed(tmp_path, replayed, plan, status):
     original = ordinary(tmp_path / "one" / "session.mcap")
     copy = original.with_name("session_recovered.mcap")
-    shutil.copy(original, copy)
+    recover(SessionReader(original), copy)
     PLANS.append(plan)
     code, out, _ = replayed(copy)
     assert code == status and f"{copy}: 2 utterances in 10.0 s" in out and len(MADE) == 1

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from session_log.mcap_file.encoding import WrongEncoding
-from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.reader import FileCondition, SessionReader
 from session_log.ros import player_node
 from session_log.types import Message, MessageSource
 from support.story import recording_of
@@ -88,7 +88,7 @@ def test_where_the_clock_was_set_the_pace_begins_anew(
 
 def test_the_order_of_other_programs_files_is_none_of_a_clock(monkeypatch, tmp_path, waits, capsys):
     monkeypatch.setattr(player_node.rospy, "is_shutdown", lambda: False)
-    monkeypatch.setattr(player_node, "LIBRARY", "another recorder")
+    monkeypatch.setattr(FileCondition, "is_numbered", False)
     player_of(tmp_path / "s.mcap", (0.0, 60.0, 59.0, 61.0)).play()
     assert sum(waits) == pytest.approx(61.0, abs=0.01)
     assert not capsys.readouterr().out

@@ -35,7 +35,12 @@ CONFIG = package_folder("session_log") / "config" / "report.yaml"
 
 
 def main(words: Sequence[str] | None = None) -> None:
-    """Run the command line; exits with 0, or with 1 and what is wrong."""
+    """Run the command line.
+
+    Exits with 0; with 1 and what is wrong; with 2 for words that it does not take. `export` gives 1
+    where rows may be lacking, `replay` what its own `run` says. A recording that was not closed is
+    named, and is no failure.
+    """
     refusals = (SessionLogError, ConfigError)
     sys.exit(run_command(lambda: _run(words), "session_log", refusals, failed=1))
 
@@ -97,7 +102,11 @@ def _export(arguments: argparse.Namespace) -> int:
         print(f"{result.undecodable} messages do not fit their definition")
         for reason in result.unfit.values():
             print(reason)
-    return 1 if arguments.topic and without else 0
+    condition = reader.condition
+    for line in _troubles(RecordingSummary(condition)):
+        print(line)
+    is_sound = not condition.damage and condition.checksum != "wrong"
+    return 0 if is_sound and not result.undecodable and not (arguments.topic and without) else 1
 
 
 def _note(arguments: argparse.Namespace) -> int:
@@ -162,6 +171,11 @@ def _first_line(value: str) -> str:
 
 def _losses(result: RecordingSummary) -> list[str]:
     """Say in words what is wrong with a recording; sound ones say so too."""
+    good = ", checksum good" if result.condition.checksum == "good" else ""
+    return _troubles(result) or [f"complete{good}"]
+
+
+def _troubles(result: RecordingSummary) -> list[str]:
     condition = result.condition
     lines = []
     if not condition.is_closed:
@@ -178,7 +192,7 @@ def _losses(result: RecordingSummary) -> list[str]:
     for name, topic in result.topics.items():
         if MANY_PUBLISHERS in topic.publishers:
             lines.append(f"{name}: {MANY_PUBLISHERS} published it; later ones share a channel")
-    return lines or ["complete" + (", checksum good" if condition.checksum == "good" else "")]
+    return lines
 
 
 def _as_json(result: RecordingSummary) -> dict[str, object]:

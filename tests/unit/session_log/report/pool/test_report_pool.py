@@ -75,8 +75,7 @@ def test_joined_moments_are_those_of_all_numbers():
     joined = sum(map(moments, parts), MomentSummary())
     every = moments(np.concatenate(parts))
     assert (joined.count, joined.largest) == (every.count, every.largest) == (218, joined.largest)
-    assert joined.mean == pytest.approx(every.mean) and joined.rms == pytest.approx(every.rms)
-    assert math.isnan(MomentSummary().mean) and math.isnan(MomentSummary().rms)
+    assert joined.rms == pytest.approx(every.rms) and math.isnan(MomentSummary().rms)
 
 
 def test_software_versions_are_counted(summary, report_config):

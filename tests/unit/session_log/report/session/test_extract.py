@@ -90,6 +90,18 @@ def test_the_worst_of_diagnostics_is_kept_with_its_time(data):
     assert health.worst_time == pytest.approx(20.5, abs=0.01)
 
 
+@pytest.mark.parametrize("levels", [(0, 2, 3, 0), (0, 3, 2, 0)])
+def test_no_state_of_a_part_hides_its_error(tmp_path, report_config, levels):
+    story = Story()
+    status = class_of("diagnostic_msgs/DiagnosticStatus")
+    for k, level in enumerate(levels):
+        said = [status(name="arm", level=level, message=f"level {level}")]
+        story.say(1.0 + k, "/diagnostics", "diagnostic_msgs/DiagnosticArray", status=said)
+    (health,) = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config).health
+    assert (health.worst, health.worst_message) == (2, "level 2")
+    assert health.worst_time == pytest.approx(float(levels.index(2)))
+
+
 def test_an_empty_recording_has_nothing(tmp_path, report_config):
     data = extract(recording_of(tmp_path / "s.mcap"), report_config)
     assert data.heard == [] and data.joints is None and data.recording.messages == 0

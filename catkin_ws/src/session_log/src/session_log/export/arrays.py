@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from genpy import Duration
 from numpy.typing import NDArray
 
 from session_log.mcap_file.decoder import Decoder, MissingField, fields_of, is_time
@@ -24,8 +25,8 @@ def read_columns(reader: SessionReader, topic: str) -> dict[str, NDArray[Any]]:
 
     Returns:
         Columns of shape (n,) by dotted names of the fields, `log_time` first. Times are
-        datetime64[ns], numbers and booleans keep their kind, lists and texts are objects. Empty if
-        nothing was recorded on the topic.
+        datetime64[ns], durations timedelta64[ns]. Numbers and booleans keep their kind, lists and
+        texts are objects. Empty if nothing was recorded on the topic.
 
     Raises:
         Undecodable: A message does not fit its definition.
@@ -43,11 +44,14 @@ def read_columns(reader: SessionReader, topic: str) -> dict[str, NDArray[Any]]:
 
 
 def _plain(value: Any) -> Any:
-    return np.datetime64(value.secs * NANOSECONDS + value.nsecs, "ns") if is_time(value) else value
+    if not is_time(value):
+        return value
+    kind = np.timedelta64 if isinstance(value, Duration) else np.datetime64
+    return kind(value.secs * NANOSECONDS + value.nsecs, "ns")
 
 
 def _column(values: list[Any]) -> NDArray[Any]:
-    if isinstance(values[0], (bool, int, float, np.datetime64)):
+    if isinstance(values[0], (bool, int, float, np.datetime64, np.timedelta64)):
         return np.array(values)
     column = np.empty(len(values), object)
     column[:] = values

@@ -16,7 +16,7 @@ from operator import index
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
-from session_log.errors import OutputFailed, SessionLogError
+from session_log.errors import OutputFailed, SessionLogError, SessionMissing
 from session_log.export.sound_stream import SoundFile
 from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable, fields_of, is_time
 from session_log.mcap_file.reader import SessionReader
@@ -78,6 +78,7 @@ def export_topics(
 
     Raises:
         OutputFailed: The folder cannot be written.
+        SessionMissing: The recording cannot be read any further.
         ParquetMissing: A format is Parquet, and pyarrow is not installed.
     """
     if "parquet" in formats and find_spec("pyarrow") is None:
@@ -88,6 +89,13 @@ def export_topics(
             return _Exporter(folder, stack, topics, audio, formats).run(reader)
     except OSError as error:
         raise OutputFailed(folder, error) from error
+
+
+def _messages(reader: SessionReader, topics: Collection[str]) -> Iterator[Message]:
+    try:
+        yield from reader.messages(topics)
+    except OSError as error:  # of the recording's disk, not of the output's
+        raise SessionMissing(reader.path, error.strerror or "cannot be read") from error
 
 
 class _Table(Protocol):
@@ -122,7 +130,7 @@ class _Exporter:
         self._result = Export()
 
     def run(self, reader: SessionReader) -> Export:
-        for message in reader.messages({*self._topics, self._audio}):
+        for message in _messages(reader, {*self._topics, self._audio}):
             try:
                 self._take(message)
             except (Undecodable, MissingField) as error:

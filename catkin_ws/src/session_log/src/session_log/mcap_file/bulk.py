@@ -25,6 +25,7 @@ PRIMITIVES: Mapping[str, str] = {
     **{f"uint{8 * n}": f"<u{n}" for n in (1, 2, 4, 8)},
 }
 STAMP = np.dtype([("secs", "<u4"), ("nsecs", "<u4")])
+DURATION = np.dtype([("secs", "<i4"), ("nsecs", "<i4")])
 _LENGTH = struct.Struct("<I")
 _PART = re.compile(r"^=+\nMSG: (\S+)$", re.MULTILINE)
 _FIELD = re.compile(r"^[ \t]*([\w/]+)(?:\[(\d*)\])?[ \t]+(\w+)[ \t]*(?:#.*)?$", re.MULTILINE)
@@ -200,7 +201,7 @@ def _definitions(datatype: str, definition: str) -> dict[str, list[Field]]:
 
 def _dtype(kind: str) -> np.dtype[Any] | None:
     if kind in ("time", "duration"):
-        return STAMP
+        return STAMP if kind == "time" else DURATION
     return np.dtype(PRIMITIVES[kind]) if kind in PRIMITIVES else None
 
 
@@ -218,7 +219,7 @@ def _resolved(kind: str, kinds: Mapping[str, Any]) -> str:
 
 
 def _plain(values: NDArray[Any]) -> NDArray[Any]:
-    if values.dtype == STAMP:
+    if values.dtype in (STAMP, DURATION):
         return values["secs"].astype(np.int64) * 1_000_000_000 + values["nsecs"]
     if values.dtype.kind == "S":
         known, inverse = np.unique(values, return_inverse=True)

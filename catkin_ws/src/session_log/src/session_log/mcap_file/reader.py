@@ -44,6 +44,11 @@ class FileCondition:
         """Whether another program wrote the file; not known without a header."""
         return bool(self.library) and not self.library.startswith(LIBRARY)
 
+    @property
+    def is_numbered(self) -> bool:
+        """Whether our recorder wrote it: numbered, in order of time. Taken so without a header."""
+        return self.library in (LIBRARY, "")
+
     def latest(self, name: str) -> dict[str, str]:
         """Return the last metadata record of a name; empty if there is none."""
         return next((values for n, values in reversed(self.metadata) if n == name), {})

@@ -35,8 +35,10 @@ def recover(reader: SessionReader, target: Path) -> RecordingSummary:
         writer = SessionWriter(target, _library(reader.condition))
         try:
             with writer:
-                _copy(chain(first, messages), writer)
-                return _finish(counter.summary(), reader.path, writer)
+                _copy(chain(first, messages), reader.condition.metadata, writer)
+                result = counter.summary()
+                writer.add_metadata(ACCOUNT, _account(result, reader.path))
+                return result
         except BaseException:
             target.unlink(missing_ok=True)  # half a copy looks like a whole recording
             raise
@@ -51,18 +53,28 @@ def _library(condition: FileCondition) -> str:
     return condition.library or LIBRARY
 
 
-def _copy(messages: Iterable[Message], writer: SessionWriter) -> None:
+def _copy(
+    messages: Iterable[Message], metadata: list[tuple[str, dict[str, str]]], writer: SessionWriter
+) -> None:
+    """Write messages, and metadata, which grow as messages are read, each in its place."""
+    copied = 0
     for index, message in enumerate(messages):
+        copied = _copy_metadata(metadata, copied, writer)
         writer.add(message)
         if index % COMMIT == COMMIT - 1:
             writer.commit()
+    _copy_metadata(metadata, copied, writer)
 
 
-def _finish(result: RecordingSummary, source: Path, writer: SessionWriter) -> RecordingSummary:
-    for name, values in result.condition.metadata:
+def _copy_metadata(
+    metadata: list[tuple[str, dict[str, str]]], copied: int, writer: SessionWriter
+) -> int:
+    """Write what was read since; gives how many are written now."""
+    if len(metadata) > copied:
+        writer.commit()  # or it would lie in front of the messages that wait
+    for name, values in metadata[copied:]:
         writer.add_metadata(name, values)
-    writer.add_metadata(ACCOUNT, _account(result, source))
-    return result
+    return len(metadata)
 
 
 def _account(result: RecordingSummary, source: Path) -> dict[str, str]:

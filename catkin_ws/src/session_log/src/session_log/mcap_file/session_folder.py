@@ -42,9 +42,10 @@ def open_session(folder: Path, name: str, started: int, suffix: str = "") -> Ses
     path = folder / chosen / RECORDING
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
+        free = _free(path)
     except OSError as error:
         raise RecordingFailed(path, error) from error
-    return SessionWriter(_free(path))
+    return SessionWriter(free)
 
 
 def recordings(inputs: Iterable[Path]) -> list[Path]:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from datetime import datetime
 
 from session_log.mcap_file.reader import FileCondition, SessionReader
-from session_log.mcap_file.writer import LIBRARY
 from session_log.types import Message, MessageSource, TopicCount
 
 ACCOUNT = "recovered"  # metadata of a copy: what it was made from
@@ -100,7 +99,7 @@ class MessageCounter:
     def add(self, message: Message) -> None:
         """Count one message."""
         source, data, log_time, sequence, _ = message
-        if log_time < self._now - CLOCK_STEP and self._is_ours:
+        if log_time < self._now - CLOCK_STEP and self._reader.condition.is_numbered:
             self.clock_steps.append(ClockStep(self._now, log_time))
             self._set_back += self._now - log_time
         self._now = log_time
@@ -123,14 +122,9 @@ class MessageCounter:
         self._sources[source] = _SourceCount(count)
         return self._sources[source]
 
-    @property
-    def _is_ours(self) -> bool:
-        """Whether gaps and steps back in time mean something: only in files of our recorder."""
-        return self._reader.condition.library == LIBRARY
-
     def summary(self) -> RecordingSummary:
         """Sum up what has passed."""
-        if not self._is_ours:
+        if not self._reader.condition.is_numbered:
             for count in self.topics.values():
                 count.missing = 0
         return RecordingSummary(self._reader.condition, self.topics, self.clock_steps)

@@ -8,6 +8,7 @@ What lies outside of chunks gets one of ours: damage then shows in a file that w
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any, cast
 
@@ -84,7 +85,8 @@ class SessionWriter:
             self.commit()
         except RecordingFailed:  # the caller tries again with a file of another name
             self.abandon()
-            path.unlink(missing_ok=True)
+            with suppress(OSError):  # a file system that has become read-only
+                path.unlink(missing_ok=True)
             raise
 
     def add(self, message: Message) -> None:

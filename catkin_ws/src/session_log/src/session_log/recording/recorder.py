@@ -267,12 +267,14 @@ class Recorder:
     def _finish(self) -> None:
         if self._writer is None:
             return
-        losses = {
-            f"{t.source.topic} from {t.source.publisher}": f"{t.dropped} dropped, {t.missed} missed"
-            for t in self._tallies.values()
-            if t.dropped or t.missed
-        }
+        losses: dict[str, tuple[int, int]] = {}
+        for t in self._tallies.values():  # a publisher may have come again with another type
+            if t.dropped or t.missed:
+                name = f"{t.source.topic} from {t.source.publisher}"
+                dropped, missed = losses.get(name, (0, 0))
+                losses[name] = dropped + t.dropped, missed + t.missed
         if losses:
-            self._writer.add_metadata("losses", losses)
+            words = {n: f"{lost[0]} dropped, {lost[1]} missed" for n, lost in losses.items()}
+            self._writer.add_metadata("losses", words)
         self._writer.close()
         self._count_written()

@@ -15,7 +15,6 @@ import yaml
 from session_log.export.sound_stream import StreamWatch
 from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.writer import LIBRARY
 from session_log.replay.config import ReplayConfig
 from session_log.replay.pipeline_plugin import RecordedSound
 from session_log.types import Message, MessageSource
@@ -91,8 +90,8 @@ class SequenceWatch:
         """How many of its source are missing right before a message."""
         previous = self._previous.get(message.source, 0)
         self._previous[message.source] = message.sequence
-        is_ours = self._reader.condition.library in (LIBRARY, "")  # others do not number them
-        return max(message.sequence - previous - 1, 0) if is_ours else 0
+        is_numbered = self._reader.condition.is_numbered
+        return max(message.sequence - previous - 1, 0) if is_numbered else 0
 
 
 def read_voice(reader: SessionReader, config: ReplayConfig) -> RecordedVoice:

@@ -28,7 +28,7 @@ class OutputUnclear(SessionLogError):
 
 
 def run(arguments: argparse.Namespace, config: ReportConfig) -> int:
-    """Write the report and print what was written.
+    """Write the report and print what was written; gives 1 where recordings were not readable.
 
     Raises:
         SessionLogError: Something named is not there or not readable, or --out is not writable.
@@ -37,12 +37,14 @@ def run(arguments: argparse.Namespace, config: ReportConfig) -> int:
         config = replace(config, utterance_sound=False)
     named: list[Path] = arguments.sessions
     if len(named) == 1 and (not named[0].is_dir() or numbered_recordings(named[0])):
-        report = _one(named[0], arguments, config)
+        report: Report = _one(named[0], arguments, config)
+        is_whole = True
     else:
-        report = _many(named, arguments, config)
+        report = many = _many(named, arguments, config)
+        is_whole = not many.unread
     for path in (report.page, *report.figures, *report.latex):
         print(path)
-    return 0
+    return 0 if is_whole else 1
 
 
 def _one(path: Path, arguments: argparse.Namespace, config: ReportConfig) -> Report:

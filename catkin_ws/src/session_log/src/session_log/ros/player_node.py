@@ -22,7 +22,6 @@ from session_log.errors import SessionLogError
 from session_log.mcap_file.encoding import WrongEncoding
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import CLOCK_STEP, ClockStep
-from session_log.mcap_file.writer import LIBRARY
 from session_log.types import URDF_TOPIC, Message, MessageSource
 from typed_config.ros.xmlrpc import FAILURES, ask_master, master_problem
 
@@ -120,7 +119,7 @@ class RecordingPlayer:
     def _says_step(self, before: int, now: int) -> bool:
         """Whether time jumps between two messages; only ours are in its order, and without gaps."""
         words = _clock_step(before, now)
-        if not words or self._reader.condition.library != LIBRARY:
+        if not words or not self._reader.condition.is_numbered:
             return False
         print(f"{words}; played on at once", flush=True)
         return True

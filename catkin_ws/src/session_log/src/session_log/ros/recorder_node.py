@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hashlib
+import sys
 import threading
 import time
 from collections.abc import Mapping
@@ -161,11 +162,12 @@ class RecorderNode:
         self._parameters = ParameterWatcher(self._recorder, namespace)
         self._next_report = 0.0
         self._ended = threading.Event()
+        self._error = ""  # why the recording is not complete; known at the end
         self._turns = threading.Thread(target=self._run_turns, name="turns", daemon=True)
         add_facts(self._recorder, config, started, namespace)
 
-    def run(self) -> None:
-        """Record until the node is shut down."""
+    def run(self) -> int:
+        """Record until the node is shut down; gives 0, or 1 if the recording is not complete."""
         for topic in self._early:
             self._topics.subscribe(topic)
         self._recorder.start()
@@ -173,6 +175,7 @@ class RecorderNode:
         rospy.on_shutdown(self.close)
         self._turns.start()
         rospy.spin()  # signals come to this thread: it must hold no lock that closing needs
+        return 1 if self._error else 0
 
     def _run_turns(self) -> None:
         while not self._ended.is_set():
@@ -192,10 +195,10 @@ class RecorderNode:
             self._discovery.stop()
             self._topics.close()
         finally:  # whatever ROS says, the file is closed
-            error = self._recorder.close()
+            self._error = self._recorder.close()
         status = self._recorder.status()
-        if error:
-            rospy.logerr("the recording is not complete: %s", error)
+        if self._error:
+            rospy.logerr("the recording is not complete: %s", self._error)
         print(f"session_log: {status.written} messages in {status.path or 'no file'}", flush=True)
 
     def _turn(self) -> None:
@@ -226,4 +229,4 @@ def main() -> None:
         settings: Any = rospy.get_param("~", {})
         config = load_config(RecorderConfig, settings, "recorder.yaml")
         node = RecorderNode(config)
-    node.run()
+    sys.exit(node.run())

@@ -292,7 +292,7 @@ class _Extractor:
             values = {v.key: v.value for v in status.values}
             now = NodeHealth(status.name, level, status.message, self._now, status.message, values)
             known = self._health.get(status.name)
-            if known is not None and known.worst >= level:
+            if known is not None and known.severity >= now.severity:
                 now = replace(known, last_message=status.message, values=values)
             self._health[status.name] = now
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from array import array
 from collections import Counter
 from dataclasses import dataclass, field
@@ -15,6 +16,7 @@ from session_log.mcap_file.summary import RecordingSummary
 
 Track = NDArray[np.float64]
 MOVING = ("moving", "stopping")  # states of the controller in which the robot moves
+ERROR, STALE = 2, 3  # levels of diagnostics
 DEVICES = "devices"  # what answers a call to a device, which is no node of the controller
 
 
@@ -89,11 +91,16 @@ class NodeHealth:
     """What one diagnostic status said over the session."""
 
     name: str
-    worst: int  # 0 OK, 1 WARN, 2 ERROR, 3 STALE
+    worst: int  # 0 OK, 1 WARN, ERROR, STALE
     worst_message: str
     worst_time: float  # [s]
     last_message: str
     values: dict[str, str]
+
+    @property
+    def severity(self) -> float:
+        """Rank of the worst: nothing is above an error."""
+        return math.inf if self.worst == ERROR else self.worst
 
 
 @dataclass(eq=False)

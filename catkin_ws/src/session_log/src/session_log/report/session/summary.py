@@ -35,14 +35,8 @@ class MomentSummary:
     """Of a set of numbers, in their unit; those of two sets can be joined exactly."""
 
     count: int = 0
-    total: float = 0.0
     squares: float = 0.0
     largest: float = -math.inf
-
-    @property
-    def mean(self) -> float:
-        """Mean; nan of none."""
-        return self.total / self.count if self.count else math.nan
 
     @property
     def rms(self) -> float:
@@ -52,7 +46,6 @@ class MomentSummary:
     def __add__(self, other: MomentSummary) -> MomentSummary:
         return MomentSummary(
             self.count + other.count,
-            self.total + other.total,
             self.squares + other.squares,
             max(self.largest, other.largest),
         )
@@ -147,11 +140,11 @@ def summarise(
 
 
 def moments(values: Track) -> MomentSummary:
-    """Count, sum, sum of squares and largest of the finite numbers, shape (n,)."""
+    """Count, sum of squares and largest of the finite numbers, shape (n,)."""
     x = values[np.isfinite(values)]
     if not len(x):
         return MomentSummary()
-    return MomentSummary(len(x), float(x.sum()), float(x @ x), float(x.max()))
+    return MomentSummary(len(x), float(x @ x), float(x.max()))
 
 
 def from_json(values: dict[str, Any]) -> SessionSummary:

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 from session_log.report.figures import SessionMaterial
 from session_log.report.notes import Note
 from session_log.report.session.analysis import FAILED, CommandRow
-from session_log.report.session.session_data import RecordedUtterance
+from session_log.report.session.session_data import ERROR, STALE, RecordedUtterance
 from session_log.report.session.stops import UNREPORTED, RecordedStop
 from session_log.report.tables.text_table import NONE, TextTable, seconds, size_words
 
-LEVELS = {0: "ok", 1: "warning", 2: "error", 3: "stale"}
+LEVELS = {0: "ok", 1: "warning", ERROR: "error", STALE: "stale"}
 
 
 def commands_table(material: SessionMaterial) -> TextTable:
@@ -98,7 +98,7 @@ def health_table(material: SessionMaterial) -> TextTable:
         values = ", ".join(f"{key} {value}" for key, value in health.values.items())
         words = f"{worst}: {health.worst_message}{when}"
         rows.append((health.name, words, health.last_message, values))
-        marks.append("bad" if health.worst == 2 else "warning" if health.worst else "")
+        marks.append("bad" if health.worst in (ERROR, STALE) else "warning" if health.worst else "")
     return TextTable(("part", "worst", "last", "last values"), rows, tuple(marks))
 
 
