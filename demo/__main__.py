@@ -8,9 +8,10 @@ import datetime
 import subprocess
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from typing import NoReturn
 
 import rospy
 import soundfile
@@ -30,7 +31,7 @@ from support.interrupt import end_as_by_ctrl_c
 from support.launched_system import System
 from support.process_groups import end_group
 from support.theatre_sound import RATE
-from typed_config import ConfigError
+from typed_config import ConfigError, newest_recording, numbered_recordings
 
 ROOT = Path(__file__).resolve().parent.parent
 SCRIPTS = {  # of each way in which the simulated robot is led
@@ -68,8 +69,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     folder = folder.resolve()
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        is_used = bool(numbered_recordings(folder))
     except OSError as error:
         words = f"The folder of the session cannot be made: {error.filename}: {error.strerror}"
+        console.print(words, style="red", highlight=False, markup=False)
+        return 2
+    if is_used:
+        words = f"{folder} holds a recording: name a new folder"
         console.print(words, style="red", highlight=False, markup=False)
         return 2
     try:
@@ -82,15 +88,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         console.print(f"[red]The demo could not run:[/red] {error}")
         console.print(f"What the nodes said is in {folder / 'launch.log'}")
         return 1
-    _report(folder, console)
+    made = {"session.mcap": newest_recording(folder) is not None}
+    made["report.html"] = _report(folder, console)
     if options.film:
-        pictures = write_film(folder / "session.mcap", folder / "film.gif")
-        name = folder / "film.gif"
-        why = f"only {pictures} were drawn: the machine was too busy with other work"
-        console.print(f"{pictures} pictures in {name}" if pictures > 1 else f"No {name}: {why}")
-    if options.microphone:
-        return 0
-    return _conclude(results, folder, console, ("film.gif",) if options.film else ())
+        made["film.gif"] = _film(folder, console)
+    return _conclude(results, made, console)
 
 
 def _parse(argv: Sequence[str] | None) -> argparse.Namespace:
@@ -120,7 +122,9 @@ def _session(
     with ExitStack() as stack:
         microphone = None if options.microphone or options.wav else _virtual(stack, console)
         lead = 0.0 if microphone else WAV_LEAD
-        wav = _record_script(script, folder / "script.wav", lead)
+        wav = folder / "script.wav"
+        if not options.microphone:
+            soundfile.write(wav, render(script, lead), RATE, subtype="PCM_16")
         source: dict[str, str | bool | Path]
         if options.microphone:
             source = {"source": "microphone"}
@@ -147,7 +151,7 @@ def _session(
         if script.has_devices:
             stack.callback(end_group, start_devices())
         if options.microphone:
-            return _listen(system, timeline)
+            _listen(system, timeline)
         with timeline.first_sound(SOUND_TIME, is_file=microphone is None) as first_sound:
             if microphone:
                 timeline.listening.wait(LISTEN_TIME)  # where it never does, the checks show it
@@ -158,7 +162,7 @@ def _session(
             stack.callback(Camera(timeline.warn).close)
         _follow(script, system, timeline, page, hands)
         worst = worst_rcm_error(timeline.observed)
-        timeline.say(f"largest RCM error while moving: {worst * 1e6:.2g} um, from joint states")
+        timeline.say(f"the controller's largest RCM error in the patient: {worst * 1e6:.2g} um")
         return verdicts(script, timeline.observed)
 
 
@@ -168,11 +172,6 @@ def _virtual(stack: ExitStack, console: Console) -> VirtualMicrophone | None:
     except OSError as error:
         console.print(f"No virtual microphone ({error}): the voice node reads the sound file.")
         return None
-
-
-def _record_script(script: Script, wav: Path, lead: float) -> Path:
-    soundfile.write(wav, render(script, lead), RATE, subtype="PCM_16")
-    return wav
 
 
 def _wait_until_ready(system: System, timeline: Timeline) -> None:
@@ -213,26 +212,34 @@ def _wait_until(moment: float, system: System, timeline: Timeline) -> None:
         time.sleep(min(0.05, max(moment - timeline.now(), 0.0)))
 
 
-def _listen(system: System, timeline: Timeline) -> list[StepVerdict]:
+def _listen(system: System, timeline: Timeline) -> NoReturn:
     timeline.say('Listening to you: say "hey robot", then "tense". Ctrl-C ends the session.')
     while system.is_running():
         time.sleep(0.2)
     raise RuntimeError("a part of the system ended during the session")
 
 
-def _report(folder: Path, console: Console) -> None:
-    """Make the report of the recording by the same command that a user has."""
+def _report(folder: Path, console: Console) -> bool:
+    """Make the report of the recording by the same command that a user has; whether it is made."""
     command = [sys.executable, "-m", "session_log.cli", "report", str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         console.print(f"[red]No report:[/red] {done.stderr.strip() or done.stdout.strip()}")
     else:
         console.print(f"Session, recording and report: {folder}")
+    return done.returncode == 0
 
 
-def _conclude(
-    results: Sequence[StepVerdict], folder: Path, console: Console, films: Sequence[str]
-) -> int:
+def _film(folder: Path, console: Console) -> bool:
+    """Make the film of the newest recording; whether it is made."""
+    recording, name = newest_recording(folder), folder / "film.gif"
+    pictures = write_film(recording, name) if recording else 0
+    why = f"only {pictures} were drawn: the machine was too busy with other work"
+    console.print(f"{pictures} pictures in {name}" if pictures > 1 else f"No {name}: {why}")
+    return pictures > 1
+
+
+def _conclude(results: Sequence[StepVerdict], made: Mapping[str, bool], console: Console) -> int:
     table = Table(title="What the script asked for")
     for column in ("said", "effect", "happened", "seen"):
         table.add_column(column)
@@ -241,9 +248,7 @@ def _conclude(
         table.add_row(verdict.step.say, verdict.step.effect, mark, verdict.found)
     console.print(table)
     missed = [v.step.say for v in results if not v.happened]
-    for needed in ("session.mcap", "report.html", *films):
-        if not (folder / needed).is_file():
-            missed.append(needed)
+    missed += [name for name, is_made in made.items() if not is_made]
     if missed:
         console.print(f"[red]Did not happen:[/red] {', '.join(missed)}")
     return 1 if missed else 0

@@ -29,6 +29,7 @@ class ControllerSample:
     tension: float  # [N]
     path_speed: float  # [m/s]
     rcm_error: float  # [m]
+    insertion: float  # [m] of the tip inside the trocar; negative outside
 
 
 @dataclass(frozen=True)
@@ -133,6 +134,6 @@ def _effect_seen(
 
 
 def worst_rcm_error(observed: Observed) -> float:
-    """Largest RCM error while the tool moved [m]; no number when it never did."""
-    moving = (s.rcm_error for s in observed.states if abs(s.path_speed) > REST)
-    return max(moving, default=math.nan)
+    """Largest RCM error while the tool moved in the patient [m]; no number when it never did."""
+    states = (s for s in observed.states if s.insertion >= 0.0 and abs(s.path_speed) > REST)
+    return max((s.rcm_error for s in states), default=math.nan)

@@ -22,6 +22,8 @@ from mcap_ros1.decoder import DecoderFactory
 from PIL import Image, ImageDraw, ImageFont
 from std_srvs.srv import Trigger
 
+from typed_config import newest_recording
+
 TOPIC = "/robot/scene/compressed"
 UTTERANCE, EVENT = "/voice_assist/utterance", "/rst_control/event"
 DEVICE, SOUND = "/voice_assist/device", "/voice_assist/audio"
@@ -99,7 +101,7 @@ def write_film(mcap: Path, gif: Path) -> int:
     """Join the pictures of a recording, with what was said below them, to an animated GIF.
 
     Returns:
-        Number of pictures.
+        Number of pictures; below two, nothing is written.
     """
     shots, captions = read_session(mcap)
     some = list(thinned(shots, GIF.rate))
@@ -186,15 +188,19 @@ def main(words: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="demo.film", description=__doc__)
     parser.add_argument("session", type=Path, help="folder of the session")
     session = parser.parse_args(words).session
-    if not (session / "session.mcap").is_file():
+    recording = newest_recording(session)
+    if recording is None:
         print(f"no session.mcap in {session}", file=sys.stderr)
         return 2
     from demo.video import write_video  # its encoder is a developer's package
 
-    pictures = write_film(session / "session.mcap", session / "film.gif")
+    pictures = write_film(recording, session / "film.gif")
+    if pictures < 2:
+        print(f"no film.gif: {pictures} pictures in {recording}", file=sys.stderr)
+        return 1
     print(f"{pictures} pictures in {session / 'film.gif'}")
     try:
-        seconds = write_video(session / "session.mcap", session / "film.mp4")
+        seconds = write_video(recording, session / "film.mp4")
     except RuntimeError as error:
         print(f"no film.mp4: {error}", file=sys.stderr)
         return 1

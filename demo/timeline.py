@@ -198,6 +198,7 @@ class Timeline:
             tension=message.tension,
             path_speed=message.path_speed,
             rcm_error=message.rcm_error,
+            insertion=message.insertion,
         )
         with self._lock:
             self.observed.states.append(state)

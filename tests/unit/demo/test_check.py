@@ -35,6 +35,7 @@ def session(say, effect, heard, before, after, moving=(), speaker="surgeon"):
         "tension": 0.5,
         "path_speed": 0.0,
         "rcm_error": 0.0,
+        "insertion": 0.05,
     }
     observed.states.append(ControllerSample(time=0.9, **{**base, **before}))
     for i, speed in enumerate(moving):
@@ -79,7 +80,8 @@ def test_a_step_happened_only_when_its_effect_was_seen(
 def test_a_motion_that_is_stopped_next_may_begin_while_that_is_said(heard_at, happened):
     said = ((1.0, "pull more", "moving"), (3.0, "stop", "stopped"), (4.0, "hey robot", "cleared"))
     steps = tuple(ScriptStep(at=t, speaker="surgeon", say=w, effect=e) for t, w, e in said)
-    rest = {"active": True, "tissue_held": True, "tension": 0.5, "rcm_error": 0.0}
+    rest = {"active": True, "tissue_held": True, "tension": 0.5}
+    rest |= {"rcm_error": 0.0, "insertion": 0.05}
     samples = ((0.9, 0.0), (heard_at + 0.1, 0.01), (4.9, 0.0))
     states = [
         ControllerSample(time=t, state="active", halted=False, path_speed=v, **rest)
@@ -105,6 +107,12 @@ def test_speech_may_be_reported_a_moment_early_and_belongs_to_its_step(start, ha
 
 def test_rcm_error_counts_only_while_moving():
     _, observed = session("tense", "tense", "tense", {"rcm_error": 1.0}, {}, moving=(0.02, 0.02))
+    assert worst_rcm_error(observed) == 2e-6
+
+
+def test_rcm_error_counts_only_in_the_patient():
+    outside = {"rcm_error": 1.0, "insertion": -0.001, "path_speed": 0.02}
+    _, observed = session("tense", "tense", "tense", outside, {}, moving=(0.02, 0.02))
     assert worst_rcm_error(observed) == 2e-6
 
 
