@@ -22,7 +22,14 @@ from paper.config import (
     chosen_voices,
     load_experiment,
 )
-from paper.folders import finish, is_finished, set_aside, settings_of
+from paper.folders import (
+    code_of,
+    finish,
+    is_finished,
+    note_code,
+    set_aside,
+    settings_of,
+)
 from paper.judging.comparison import comparison
 from paper.judging.outcomes import PhraseOutcome, judge, keep, kept
 from paper.judging.results import VoiceResult, figures
@@ -32,10 +39,10 @@ from paper.play.speaker import installed_voices
 from session_log.cli import CONFIG as REPORT
 from session_log.config import ReportConfig
 from session_log.errors import SessionLogError
-from support.figures import RESULTS, ROOT, decided_now, keys, machine, show, write
+from support.figures import RESULTS, ROOT, SEVERAL, decided_now, keys, machine, show, write
 from support.interrupt import end_as_by_ctrl_c
 from support.process_groups import STOP_TIME, end_group, start_group
-from support.product_code import SYSTEM
+from support.product_code import SYSTEM, identity
 from typed_config import ConfigError, count_option, load_file
 
 VOICES = "4"
@@ -71,7 +78,8 @@ def main(words: Sequence[str] | None = None) -> int:
         status = _play_all(voices, config, repetitions, out, console)
     if PEDAL in options.input and status != INTERRUPTED:
         status = _press_all(config, repetitions, out, console) or status
-    is_full = repetitions >= config.repetitions and len(voices) >= int(VOICES)
+    finished = [v for v in voices if is_finished(out / v.name, settings_of(config, v, repetitions))]
+    is_full = repetitions >= config.repetitions and len(finished) >= int(VOICES)
     _conclude(voices, out, is_full and status == 0, console)
     return status
 
@@ -111,6 +119,7 @@ def _press(config: ExperimentConfig, repetitions: int, out: Path, console: Conso
     folder = out / PEDAL
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        note_code(folder, identity(SYSTEM))
         keep(folder, pedal_session.run(config, repetitions, folder, console))
     except KeyboardInterrupt:
         return INTERRUPTED
@@ -168,6 +177,7 @@ def _play(
     folder = out / voice.name
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        note_code(folder, identity(SYSTEM))
         session.run(voice, config, repetitions, folder, console)
         judge(folder, _report_config())
     except KeyboardInterrupt:
@@ -200,6 +210,9 @@ def _conclude(
     listed += comparison({VOICE: [o for r in heard for o in r.repetitions], PEDAL: pressed})
     show(listed, console)
     code = keys(SYSTEM, decided_now("motion"))
+    played = [out / r.voice.name for r in heard] + ([out / PEDAL] if pressed else [])
+    if {code_of(folder) for folder in played} != {code["code"]}:
+        code["code"] = SEVERAL
     facts = {**code, "voices": [asdict(result.voice) for result in heard]}
     for path in [out / RESULT, *([RESULTS / RESULT] if is_full else [])]:
         write(path, listed, machine(), **facts)
@@ -226,11 +239,10 @@ def _report(out: Path, console: Console) -> None:
     """Make the report over all sessions, and a page of each, by the command that a user has."""
     command = [sys.executable, "-m", "session_log.cli", "report", str(out)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
+    console.print(done.stdout.strip(), highlight=False, markup=False)
     if done.returncode:
-        words = done.stderr.strip() or done.stdout.strip()
-        console.print(f"No report: {words}", style="red", highlight=False, markup=False)
-    else:
-        console.print(done.stdout.strip(), highlight=False, markup=False)
+        words = f"No report of all sessions: {done.stderr.strip()}"
+        console.print(words, style="red", highlight=False, markup=False)
 
 
 if __name__ == "__main__":

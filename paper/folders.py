@@ -11,6 +11,7 @@ from pathlib import Path
 from paper.config import ExperimentConfig, PaperVoiceConfig
 
 FINISHED = "finished.json"
+CODE = "code.txt"
 ASIDE = "unfinished"  # folder beside that of the experiment
 
 
@@ -31,6 +32,17 @@ def is_finished(folder: Path, settings: str) -> bool:
 def finish(folder: Path, settings: str) -> None:
     """Mark a session as played to its end."""
     (folder / FINISHED).write_text(settings, encoding="utf-8")
+
+
+def note_code(folder: Path, code: str) -> None:
+    """Keep of which code a session is, beside what it leaves."""
+    (folder / CODE).write_text(code, encoding="utf-8")
+
+
+def code_of(folder: Path) -> str:
+    """Of which code a session is; empty: that was not kept."""
+    path = folder / CODE
+    return path.read_text(encoding="utf-8") if path.is_file() else ""
 
 
 def set_aside(folder: Path) -> Path | None:

@@ -25,14 +25,14 @@ def comparison(inputs: Mapping[str, Sequence[PhraseOutcome]]) -> list[Figure]:
     Args:
         inputs: Outcomes by the name of the input.
     """
-    used = {name: outcomes for name, outcomes in inputs.items() if outcomes}
+    counted = {n: [o for o in all_ if o.command and o.is_counted] for n, all_ in inputs.items()}
+    used = {name: meant for name, meant in counted.items() if meant}
     if set(used) <= {"voice"}:
         return []
-    return [figure for name, some in used.items() for figure in _of_input(name, some)]
+    return [figure for name, meant in used.items() for figure in _of_input(name, meant)]
 
 
-def _of_input(name: str, outcomes: Sequence[PhraseOutcome]) -> list[Figure]:
-    meant = [o for o in outcomes if o.command]
+def _of_input(name: str, meant: Sequence[PhraseOutcome]) -> list[Figure]:
     times = [o.acted for o in meant if o.command in MOTIONS and math.isfinite(o.acted)]
     refused = sum(bool(o.refusal) for o in meant)
     wrong = sum(bool(set(o.taken) - {o.command}) for o in meant)

@@ -39,6 +39,7 @@ class CommandResult:
     command: str
     said: int
     correct: int
+    by_voice: tuple[tuple[int, int], ...]  # correct and said of each
     others: Counter[str]  # what else was taken, and "nothing"
     refused: int  # by the controller, of those that were taken
     decided: tuple[float, ...]  # [s] from the end of the sound
@@ -47,7 +48,8 @@ class CommandResult:
 
 def row(command: str, voices: Iterable[VoiceResult]) -> CommandResult:
     """Sum up one command over voices."""
-    some = [o for t in voices for o in t.repetitions if o.command == command]
+    by_voice = [[o for o in t.repetitions if o.command == command] for t in voices]
+    some = [o for one in by_voice for o in one]
     others: Counter[str] = Counter()
     for o in some:
         others.update(() if o.is_correct else [" and ".join(o.taken) or "nothing"])
@@ -55,6 +57,7 @@ def row(command: str, voices: Iterable[VoiceResult]) -> CommandResult:
         command=command,
         said=len(some),
         correct=sum(o.is_correct for o in some),
+        by_voice=_counts([[o.is_correct for o in one] for one in by_voice]),
         others=others,
         refused=sum(bool(o.refusal) for o in some),
         decided=_finite(o.decided for o in some),
@@ -93,7 +96,8 @@ def _of_command(r: CommandResult, paper: Mapping[str, float], hardware: str) -> 
         return []
     wrong = ", ".join(f"{n} x {what}" for what, n in r.others.most_common())
     taken = wrong and f"taken: {wrong}"
-    found = [share(f"{r.command}: recognised", r.correct, r.said, note=taken)]
+    name = f"{r.command}: recognised"
+    found = [share(name, r.correct, r.said, note=taken, groups=r.by_voice)]
     n = len(r.decided)
     if n:
         name = f"{r.command}: end of sound to decision"
@@ -132,24 +136,32 @@ def _shares(voices: Sequence[VoiceResult]) -> list[Figure]:
     }
     found = []
     for name, some in groups.items():
-        said = [o for t in some for o in t.repetitions if o.command]
-        if said:
-            correct = sum(o.is_correct for o in said)
-            found.append(share(f"{name}: commands recognised", correct, len(said)))
+        counts = _counts([[o.is_correct for o in t.repetitions if o.command] for t in some])
+        if counts:
+            correct, trials = map(sum, zip(*counts, strict=True))
+            title = f"{name}: commands recognised"
+            found.append(share(title, correct, trials, groups=counts))
     return found
 
 
 def _talk(voices: Sequence[VoiceResult]) -> list[Figure]:
-    talk = [o for t in voices for o in t.repetitions if not o.command]
+    by_voice = [[o for o in t.repetitions if not o.command] for t in voices]
+    talk = [o for one in by_voice for o in one]
     if not talk:
         return []
     found = []
-    for name, kinds in (("a motion", MOTIONS), ("any command", COMMANDS)):
-        wrong = [o for o in talk if set(kinds) & set(o.taken)]
+    for name, kinds in (("a motion", set(MOTIONS)), ("any command", set(COMMANDS))):
+        wrong = [o for o in talk if kinds & set(o.taken)]
         words = ", ".join(f"{o.words!r} for {' and '.join(o.taken)}" for o in wrong)
-        title = f"talk taken for {name}"
-        found.append(share(title, len(wrong), len(talk), 0.0, at_most=True, note=words))
+        counts = _counts([[bool(kinds & set(o.taken)) for o in one] for one in by_voice])
+        title, n = f"talk taken for {name}", len(wrong)
+        found.append(share(title, n, len(talk), 0.0, at_most=True, note=words, groups=counts))
     return found
+
+
+def _counts(by_voice: Iterable[Sequence[bool]]) -> tuple[tuple[int, int], ...]:
+    """How many phrases of each voice hold, and of how many; voices without any are left out."""
+    return tuple((sum(some), len(some)) for some in by_voice if some)
 
 
 def _finite(values: Iterable[float]) -> tuple[float, ...]:

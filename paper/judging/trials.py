@@ -33,9 +33,12 @@ def append(folder: Path, trial: SpokenTrial) -> None:
 
 
 def read(folder: Path) -> list[SpokenTrial]:
-    """Read the trials of a session; none when there is no such file."""
+    """Read the trials of a session; none when there is no such file.
+
+    A session that was killed leaves half a last line, which is none.
+    """
     path = folder / FILE
     if not path.is_file():
         return []
-    lines = path.read_text(encoding="utf-8").splitlines()
+    *lines, _ = path.read_text(encoding="utf-8").split("\n")
     return [SpokenTrial(**json.loads(line)) for line in lines]

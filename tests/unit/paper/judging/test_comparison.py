@@ -2,6 +2,7 @@
 """Inputs beside each other."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -38,6 +39,13 @@ def test_times_refusals_wrong_and_missed_commands_of_each_input():
     assert found["pedal: time to motion, mean"].value == pytest.approx(0.05)
     assert found["pedal: commands refused by the robot"].value == pytest.approx(50.0)
     assert "wrong presses are not in it" in found["pedal: time to motion, mean"].note
+
+
+def test_what_was_pressed_or_said_to_go_on_is_compared_with_nothing():
+    helped = replace(outcome(refusal="nothing is grasped"), is_counted=False)
+    found = by_name(voice=[outcome(), helped], pedal=[outcome(), helped])
+    for name in ("voice", "pedal"):
+        assert found[f"{name}: commands refused by the robot"].note == "0 of 1"
 
 
 def test_voice_alone_is_compared_with_nothing():

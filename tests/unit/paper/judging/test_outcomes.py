@@ -8,7 +8,7 @@ import soundfile
 
 from paper.judging import truth
 from paper.judging.outcomes import judge, kept, outcome
-from paper.judging.trials import SpokenTrial, append, read
+from paper.judging.trials import FILE, SpokenTrial, append, read
 from session_log.cli import CONFIG
 from session_log.config import ReportConfig
 from session_log.report.session.analysis import CommandRow
@@ -91,3 +91,11 @@ def test_trials_come_back_as_they_were_kept(tmp_path):
     append(tmp_path, TRIAL)
     append(tmp_path, replace(TRIAL, index=2, interrupts="tense"))
     assert read(tmp_path) == [TRIAL, replace(TRIAL, index=2, interrupts="tense")]
+
+
+def test_half_a_last_line_of_a_killed_session_is_left_out(tmp_path):
+    append(tmp_path, TRIAL)
+    append(tmp_path, replace(TRIAL, index=2))
+    path = tmp_path / FILE
+    path.write_bytes(path.read_bytes()[:-20])
+    assert read(tmp_path) == [TRIAL]

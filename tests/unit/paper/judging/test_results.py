@@ -97,6 +97,16 @@ def test_native_and_other_voices_are_counted_apart():
     assert found["b (German): commands recognised"].value == 50.0
 
 
+def test_bounds_are_those_of_voices_that_differ():
+    clear = VoiceResult(NATIVE, (said("stop"),) * 30 + (said(""),) * 30)
+    unclear = (missed("stop"),) * 30 + (said("", taken=("stop",)),) * 30
+    found = named([clear, VoiceResult(OTHER, unclear)])
+    for name in ("stop: recognised", "all voices: commands recognised"):
+        assert (found[name].value, found[name].lower) == (50.0, 0.0)
+    taken = found["talk taken for any command"]
+    assert (taken.value, taken.upper) == (50.0, 100.0)
+
+
 def test_talk_that_was_taken_is_counted_and_named():
     results = [VoiceResult(NATIVE, (said(""), said("", taken=("hey robot",)), said("stop")))]
     found = named(results)

@@ -1,9 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What `make paper` refuses, it refuses in one sentence before a session is played."""
+"""What `make paper` refuses, and which of its results are full and of the present code."""
+
+import json
 
 import pytest
+from rich.console import Console
 
 from paper import __main__ as paper
+from paper.config import load_experiment
+from paper.folders import finish, note_code, settings_of
+from paper.judging.outcomes import PhraseOutcome, keep
+
+CONCLUDE = paper._conclude
+NOW = "the present code"
 
 
 @pytest.fixture(autouse=True)
@@ -26,3 +35,44 @@ def test_inputs_are_voice_pedal_or_each_once(capsys, inputs):
     with pytest.raises(SystemExit, match="2"):
         paper.main(["--input", inputs])
     assert "allowed are voice, pedal and voice,pedal" in capsys.readouterr().err
+
+
+def play(folder, command="stop"):
+    """A session that is there."""
+    folder.mkdir(exist_ok=True)
+    keep(folder, [PhraseOutcome(command, command, (command,), "", True, True, 0.3, 0.5)])
+
+
+@pytest.mark.parametrize(
+    ("finished", "input_", "is_full"),
+    [(4, "voice", True), (3, "voice", False), (0, "pedal", False), (4, "pedal", True)],
+)
+def test_a_full_result_has_every_voice_with_all_repetitions(
+    tmp_path, monkeypatch, finished, input_, is_full
+):
+    config, concluded = load_experiment(), []
+    voices = config.voices[:4]
+    for voice in voices[:finished]:
+        play(tmp_path / voice.name)
+        finish(tmp_path / voice.name, settings_of(config, voice, config.repetitions))
+    for name in ("_play_all", "_press_all"):
+        monkeypatch.setattr(paper, name, lambda *_: 0)
+    monkeypatch.setattr(paper, "chosen_voices", lambda *_: voices)
+    monkeypatch.setattr(paper, "_conclude", lambda *given: concluded.append(given[2]))
+    assert paper.main(["--input", input_, "--out", str(tmp_path)]) == 0
+    assert concluded == [is_full]
+
+
+@pytest.mark.parametrize(
+    ("codes", "code"), [((NOW, NOW), NOW), ((NOW, "older"), "several"), ((NOW, ""), "several")]
+)
+def test_kept_sessions_of_other_code_are_said_to_be(tmp_path, monkeypatch, codes, code):
+    voices = load_experiment().voices[:2]
+    for voice, of in zip(voices, codes, strict=True):
+        play(tmp_path / voice.name)
+        if of:
+            note_code(tmp_path / voice.name, of)
+    monkeypatch.setattr(paper, "keys", lambda *_: {"code": NOW})
+    monkeypatch.setattr(paper, "_report", lambda *_: None)
+    CONCLUDE(voices, tmp_path, False, Console())
+    assert json.loads((tmp_path / "paper.json").read_text())["code"] == code
