@@ -287,6 +287,34 @@ def test_the_firmware_is_asked_for_a_few_times_whether_limits_are_read_or_not(
     assert len(asked) == (2 if firmware else FIRMWARE_TRIES)
 
 
+@pytest.mark.parametrize(
+    "error",
+    [
+        arm_report.rospy.ServiceException("no"),
+        arm_report.rospy.exceptions.TransportTerminated("gone in the midst of a call"),
+        ConnectionResetError("gone"),
+    ],
+)
+def test_a_driver_that_is_lost_in_the_midst_of_a_question_is_asked_again(monkeypatch, error):
+    asked, limits = [], []
+
+    def ask_limits(_):
+        asked.append(1)
+        if len(asked) == 1:
+            raise error
+        return "limits"
+
+    monkeypatch.setattr(arm_report, "ask_limits", ask_limits)
+    monkeypatch.setattr(arm_report.rospy, "logwarn_throttle", lambda *_: None)
+    monkeypatch.setattr(arm_report.rospy, "is_shutdown", lambda: bool(limits))
+    monkeypatch.setattr(arm_report.time, "sleep", lambda _: None)
+    facts = object.__new__(ArmFacts)
+    facts._namespace, facts.firmware = "my_gen3", "known"
+    facts._is_wanted, facts._on_limits = lambda: not limits, limits.append
+    facts._ask()
+    assert limits == ["limits"]
+
+
 def test_a_driver_that_comes_late_is_asked_for_its_firmware_anew(monkeypatch):
     asked, rounds = [], []
 

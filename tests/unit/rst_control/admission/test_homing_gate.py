@@ -96,3 +96,22 @@ def test_in_a_dry_run_it_is_confirmed_each_time(motion_config, planner, outside)
     assert "rst_control/confirm" in table.ask()
     assert "hold tissue" in table.ask(gripped=True)
     assert not table.gate.confirm()  # what was refused since is not confirmed
+
+
+def test_what_was_asked_long_ago_or_before_something_else_was_shown_is_not_confirmed(
+    motion_config, planner, outside
+):
+    table = Table(replace(motion_config.controller, first_motion="confirmed"), planner, outside)
+    table.ask()
+    table.now += VALID_FOR + 1.0
+    assert not table.gate.confirm()
+    table.ask()
+    table.gate.forget()
+    assert not table.gate.confirm()
+    assert "rst_control/confirm" in table.ask()
+
+
+def test_the_room_for_homing_is_that_of_the_jaws_however_far_open(motion_config, planner):
+    wrist_to_end, radius = 0.0265 + 0.002, 0.015  # [m] of collision.yaml: both jaws
+    expected = wrist_to_end + radius + motion_config.scene.surface_margin
+    assert planner.patient.sweep == pytest.approx(expected, abs=1e-6)

@@ -172,3 +172,14 @@ def test_a_direction_that_is_none_is_refused_at_start(motion_config, value):
 
 def at_home(home):
     return situation(robot_joints(home, 0.0))
+
+
+@pytest.mark.parametrize(("why", "is_refused"), [("", True), ("no zero yet", False)])
+def test_a_high_tension_refuses_it_only_where_it_is_trusted(planner, home, why, is_refused):
+    force = np.array([0.0, 0.0, -(planner.config.controller.tension.limit + 0.2)])
+    at_rest = situation(robot_joints(home, 0.0))
+    measured = replace(at_rest.measurement, force=force, tension_invalid_reason=why)
+    decision = Verifier(planner)(request("tense"), replace(at_rest, measurement=measured))
+    assert isinstance(decision, Accepted) is not is_refused, decision
+    if is_refused:
+        assert decision.reason is Reason.TENSION_LIMIT

@@ -163,6 +163,7 @@ def test_it_is_so_slow_that_the_stiffest_tissue_rises_by_the_tolerance_within_th
     tissue = SpringTissue(100.0, goal=1.0)
     tissue.pull()
     assert tissue.fastest == pytest.approx(0.15 / (0.13 * 200.0), rel=1e-3)
+    assert tissue.run.phase.min_time == pytest.approx(LENGTH / tissue.fastest, rel=1e-3)
 
 
 def test_tissue_five_times_stiffer_than_expected_is_not_pulled_to_twice_the_tension() -> None:

@@ -1,16 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Feedback in our order, the arm's ramps, the stop guard, and the settings."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rst_control.kinova.config import load_kinova_config
+from rst_control.config import CONFIG_FOLDER, LimitsConfig
+from rst_control.kinova.brake_plan import LastCourse
+from rst_control.kinova.config import BridgeConfig, load_kinova_config, require_drivable
 from rst_control.kinova.feedback import BadFeedback, FeedbackReader, unwrapped
 from rst_control.kinova.guard import StopGuard
 from rst_control.kinova.velocity_follower import Follower
 from rst_control.kinova.velocity_ramp import Ramp, feasible_share, velocity_for
+from typed_config import ConfigError, load_config, load_yaml
 
 NAMES = ("a", "b", "c")
 TIME = 0.025
@@ -32,7 +37,7 @@ class TestFeedback:
         [
             (("a", "b"), (1.0, 2.0), "without c"),
             (NAMES, (1.0, 2.0), "2 values of position, allowed: 3"),
-            (NAMES, (1.0, float("nan"), 2.0), "position is no number"),
+            (NAMES, (1.0, float("nan"), 2.0), r"position is \[1.0, nan, 2.0\], allowed: finite"),
         ],
     )
     def test_what_cannot_be_used_is_refused(self, names, position, words):
@@ -160,6 +165,23 @@ class TestGuard:
         assert len(found) > 20
         assert found[-1] <= 1.0 + config.silence + config.insist + 0.02
 
+    @pytest.mark.parametrize("insist", [0.1, 2.0])
+    def test_after_braking_it_stops_as_often_as_after_silence(self, kinova, insist):
+        bridge, speeds = kinova.bridge, np.full(7, 0.4)
+        guard = StopGuard(replace(bridge, guard=replace(bridge.guard, insist=insist)))
+        still = np.zeros(7)
+        guard.heard(1.0, LastCourse(1.0, still, speeds, speeds, 0.025 * speeds, speeds, still))
+        now, braked, stops = 1.0, [], []
+        while now < 10.0:
+            now += 0.01
+            if guard.speeds_due(now) is not None:
+                braked.append(now)
+            elif guard.is_stop_due(now):
+                stops.append(now)
+        assert braked[-1] - braked[0] > 0.6  # 0.4 rad/s at 0.6 rad/s^2
+        assert stops[0] == pytest.approx(braked[-1], abs=0.02)
+        assert stops[-1] == pytest.approx(braked[-1] + insist, abs=0.04)
+
     def test_it_hears_the_bridge_only_while_beats_come(self, guard, kinova):
         config = kinova.bridge.guard
         assert not guard.hears_bridge(0.0)
@@ -178,3 +200,22 @@ class TestGuard:
         guard.heard(11.0)
         assert not guard.is_stop_due(11.05)
         assert self.stops(guard, 11.0, 11.5)
+
+
+def test_a_brake_that_the_driver_cannot_keep_is_refused():
+    data = load_yaml(CONFIG_FOLDER / "kinova_bridge.yaml")
+    data["servo"]["brake_deceleration"][0] = 2.0
+    with pytest.raises(ConfigError, match=r"brake_deceleration.*2.0.*of joint_1, 1 rad/s"):
+        load_config(BridgeConfig, data, "bridge")
+
+
+@pytest.mark.parametrize(("most", "is_refused"), [(1.0, False), (1.1, True)])
+def test_plans_that_the_driver_cannot_keep_are_refused_at_the_start(kinova, most, is_refused):
+    data = load_yaml(CONFIG_FOLDER / "kinova_limits.yaml")
+    data["layers"][0]["arm_acceleration"][1] = most
+    config = replace(kinova, limits=load_config(LimitsConfig, data, "limits"))
+    if not is_refused:
+        require_drivable(config)
+        return
+    with pytest.raises(ConfigError, match=r"arm_acceleration.*1.1.*of joint_2, 1 rad/s"):
+        require_drivable(config)

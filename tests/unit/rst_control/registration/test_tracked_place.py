@@ -169,6 +169,20 @@ def test_breathing_is_followed_without_delay():
     assert max(errors) < 1e-4
 
 
+def test_what_is_read_while_a_report_is_taken_in_is_the_course_before_it(monkeypatch):
+    way = np.array([0.03 * PERIOD, 0.0, 0.0])  # [m] of 30 mm/s
+    trocar, now = tracked([HOME + number * way for number in range(10)])
+    before, read, smoothed = trocar.shift(now + PERIOD), [], TrackedTrocar._smoothed
+
+    def read_meanwhile(*given):
+        read.append(trocar.shift(now + PERIOD))
+        return smoothed(*given)
+
+    monkeypatch.setattr(TrackedTrocar, "_smoothed", read_meanwhile)
+    trocar.update(Report(HOME + 10 * way, now + PERIOD))
+    np.testing.assert_array_equal(read, [before])
+
+
 def test_nothing_heard_is_an_objection():
     assert TrackedTrocar(CONFIG, HOME).objection(0.0).reason is Reason.TRACKER_STALE
 

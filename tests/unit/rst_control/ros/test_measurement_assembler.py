@@ -2,7 +2,7 @@
 """What the controller believes of the robot's messages: their order, age, names and clocks."""
 
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -209,3 +209,15 @@ def test_a_grip_and_a_fault_of_the_robot_are_known_with_the_next_measurement(lin
     link.now += PERIOD
     assert link.assembler.measured().fault == "brakes on"
     assert link.run(PERIOD).gripped
+
+
+@pytest.mark.parametrize(("age", "lost_after"), [(0.02, 0.25), (0.5, 0.5)])
+def test_a_robot_is_connected_as_long_as_its_joint_states_are_young_enough(age, lost_after):
+    link = Link()
+    link.assembler = MeasurementAssembler(replace(WATCHDOGS, joint_state_age=age), lambda: link.now)
+    link.assembler.gripped = False
+    link.run(1.0)
+    link.now += lost_after - 0.01
+    assert link.assembler.measured().connected
+    link.now += 0.02
+    assert not link.assembler.measured().connected

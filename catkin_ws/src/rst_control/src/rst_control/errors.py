@@ -44,7 +44,7 @@ class TrocarDrift(Infeasible):
 
     def __init__(self, distance: float, allowed: float) -> None:
         super().__init__(
-            f"shaft {distance * 1e6:.2f} um off the trocar, allowed {allowed * 1e6:.2f} um"
+            f"shaft {distance * 1e6:.2f} um off the trocar, allowed {allowed * 1e6:.3g} um"
         )
         self.distance, self.allowed = distance, allowed
 

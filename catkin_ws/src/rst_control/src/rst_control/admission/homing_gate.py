@@ -39,27 +39,31 @@ class HomingGate:
         clock: Callable[[], float],
     ) -> None:
         self._config, self._patient, self._clock = config, patient, clock
-        self._asked = False
-        self._confirmed = -VALID_FOR  # [s] when
+        self._asked = self._confirmed = -VALID_FOR  # [s] when
 
     def refusal(self, view: ControllerSnapshot) -> str:
         """Why the tool may not be homed now; empty: it may."""
         refusal = self._unsafe(view)
         if refusal or self._config.first_motion == "free":
-            self._asked = False
+            self.forget()
             return refusal
         if self._clock() - self._confirmed < VALID_FOR:
             self._confirmed = -VALID_FOR
             return ""
-        self._asked = True
+        self._asked = self._clock()
         return ASK.format(reach=self._patient().sweep * 1e3)
 
     def confirm(self) -> bool:
         """Let the homing that was asked for begin when it is asked for again; False: none was."""
-        was_asked, self._asked = self._asked, False
+        was_asked = self._clock() - self._asked < VALID_FOR
+        self.forget()
         if was_asked:
             self._confirmed = self._clock()
         return was_asked
+
+    def forget(self) -> None:
+        """What was asked for is confirmed no more: something else is shown now."""
+        self._asked = -VALID_FOR
 
     def _unsafe(self, view: ControllerSnapshot) -> str:
         measured, watchdogs = view.measurement, self._config.watchdogs

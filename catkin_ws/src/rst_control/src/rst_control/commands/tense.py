@@ -51,7 +51,10 @@ def plan(context: PlanningContext) -> Accepted | Rejected:
     """
     config, request = context.config.tension, context.request
     target = request.tension or config.initial
-    refusal = target_refusal(target, config) or present_refusal(context.measured, config)
+    is_trusted = not context.measured.tension_invalid_reason
+    refusal = target_refusal(target, config)
+    if refusal is None and is_trusted:  # else opened jaws may set it right
+        refusal = present_refusal(context.measured, config)
     if refusal is not None:
         return refusal
     chosen = choose_grasp(context.planner, context.q)

@@ -41,6 +41,7 @@ class GuardedPull(TowardsTension):
         self._bounds, self._config = replace(start.bounds, speed=speed), config
         self._profile = MotionProfile(start.state, self._bounds)
         super().__init__(start, self._profile, response)
+        self.phase = replace(self.phase, speed=speed)  # by which its time is judged
         self._delay_bound = DelayBound(config.delay)
         self._near = speed * config.delay  # [m] on which the tension may change unnoticed
         self._rest: _Rest | None = None  # in which it looks again

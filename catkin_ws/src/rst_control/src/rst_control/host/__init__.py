@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The machine and its ROS master: sockets, processes, limits of messages."""
+"""The machine and its ROS master: sockets, processes."""

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
@@ -145,6 +145,7 @@ class BridgeConfig:
         """Check what no key shows alone."""
         allowed = f"at least two in arm.period, {self.arm.period:g} s"
         require(self.rate * self.arm.period >= 2.0, "rate", self.rate, allowed)
+        _require_driver_keeps("servo.brake_deceleration", self.servo.brake_deceleration, self.arm)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,6 +162,22 @@ class KinovaConfig:
         """Home of each arm joint that turns for ever [rad]; NaN for the others. Shape (7,)."""
         limits = zip(self.limits.arm_lower, self.limits.arm_upper, self.scene.home, strict=False)
         return tuple(home if high - low > math.tau else math.nan for low, high, home in limits)
+
+
+def require_drivable(config: KinovaConfig) -> None:
+    """Check that the arm's driver changes speeds as fast as the plans do.
+
+    Raises:
+        typed_config.ConfigError: It does not; names the joint's value and what is allowed.
+    """
+    plans = config.limits.active.arm_acceleration
+    _require_driver_keeps("limits.active.arm_acceleration", plans, config.bridge.arm)
+
+
+def _require_driver_keeps(key: str, planned: Sequence[float], arm: ArmConfig) -> None:
+    for joint, (value, most) in enumerate(zip(planned, arm.acceleration, strict=False), 1):
+        allowed = f"up to arm.acceleration of joint_{joint}, {most:g} rad/s^2"
+        require(value <= most, key, value, allowed)
 
 
 def load_kinova_config(folder: Path = CONFIG_FOLDER) -> KinovaConfig:

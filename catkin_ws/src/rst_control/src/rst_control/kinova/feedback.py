@@ -97,5 +97,5 @@ def _picked(what: str, given: Sequence[float], order: list[int], count: int) -> 
         raise BadFeedback(f"joint states with {len(given)} values of {what}, allowed: {count}")
     picked = np.array(given, dtype=float)[order]
     if not np.isfinite(picked).all():
-        raise BadFeedback(f"joint states whose {what} is no number")
+        raise BadFeedback(f"joint states whose {what} is {picked.tolist()}, allowed: finite")
     return picked

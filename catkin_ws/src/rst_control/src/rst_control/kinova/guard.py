@@ -26,11 +26,13 @@ class StopGuard:
         self._last: LastCourse | None = None  # None: the arm is not led
         self._plan: BrakePlan | None = None
         self._heard: float | None = None  # [s] of the last beat; None: never, or long ago
+        self._stop_from = 0.0  # [s] from which stops are due
         self._stopped = 0.0
 
     def heard(self, now: float, last: LastCourse | None = None) -> None:
         """Note a beat of the bridge, with the course on which it leads the arm."""
         self._heard, self._last, self._plan = now, last, None
+        self._stop_from = now + self._config.silence
 
     def speeds_due(self, now: float) -> Vector | None:
         """Velocities that brake the arm along its course [rad/s], shape (7,); None: none now.
@@ -43,8 +45,14 @@ class StopGuard:
             self._plan = BrakePlan(self._all, self._last, now - self._last.time)
         speeds = self._plan.step(now)
         if self._plan.is_over:
-            self._last = None
+            self._last = self._plan = None
+            self._stop_from = now
         return speeds
+
+    @property
+    def is_braking(self) -> bool:
+        """Whether velocities that brake the arm are being sent."""
+        return self._plan is not None
 
     def is_silent(self, now: float) -> bool:
         """Whether the bridge was there, and is silent now."""
@@ -57,11 +65,12 @@ class StopGuard:
     def is_stop_due(self, now: float) -> bool:
         """Whether the arm has to be stopped now; repeated for a while, then left alone.
 
-        Somebody may have to move the arm by other means once the bridge is gone.
+        Braking takes nothing of that while. Somebody may have to move the arm by other means once
+        the bridge is gone.
         """
         if self._heard is None or self._last is not None or not self.is_silent(now):
             return False
-        if now - self._heard > self._config.silence + self._config.insist:
+        if now - self._stop_from > self._config.insist:
             self._heard = None
             return False
         if now - self._stopped < self._config.repeat:

@@ -43,6 +43,7 @@ STRAIGHT: Final = 1e-9  # [rad] of pitch and yaw, below which the tool counts as
 NEARLY_STRAIGHT: Final = 0.01  # [rad] that may be straightened in the trocar: 0.3 mm at the tip
 WRIST_LENGTH: Final = 0.0265  # [m] from the pitch joint to the tip of a straight tool
 SLIGHT: Final = 1e-7  # [m] of way that is none
+NO_HOME: Final = "no joints in their limits take the home pose with the shaft through the trocar"
 
 
 class ToolBent(Infeasible):
@@ -92,7 +93,7 @@ class Insertion:
         if not found.is_solved:
             found = planner.solver.search(self._home_pose, planner.trocar, home)
         if not found.is_solved:
-            raise Unreachable(0.0, found.residual)
+            raise Infeasible(NO_HOME)
         return found.q
 
     @cached_property

@@ -62,7 +62,6 @@ class Patient:
         self.outward = frozen_array(normal, 3)  # base frame
         self._trocar = frozen_array(scene.trocar, 3)
         self._watched = WATCHED_SHARE * scene.surface_margin
-        self.sweep = _reach(self._chain, self._shaft) + scene.surface_margin  # [m] of pitch and yaw
 
         def kept_off(clearance: float, *exempt: str) -> CollisionModel:
             offset = float(normal @ self._trocar)
@@ -77,6 +76,7 @@ class Patient:
         tool = [k for k, body in enumerate(config.collision.bodies) if body.link in TOOL]
         before_tip = _before_tip(self._chain, shapes.capsules[tool], shapes.frames[tool])
         self.min_standoff = scene.surface_margin + before_tip  # [m] that leaves the margin
+        self.sweep = _reach(self._chain, self._shaft) + self.min_standoff  # [m] of pitch and yaw
 
     def wrist_height(self, q: Vector) -> float:
         """Height of the tool's wrist above the surface at q (9,) [rad], whatever the tool's [m]."""

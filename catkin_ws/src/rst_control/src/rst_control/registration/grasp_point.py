@@ -144,7 +144,7 @@ def off_tissue(scene: SceneConfig, place: Sequence[float]) -> Cause | None:
     """
     point = np.array(place, dtype=float)
     if not all(map(math.isfinite, point)):
-        return Cause(Reason.UNREACHABLE, "a coordinate is no finite number")
+        return Cause(Reason.UNREACHABLE, f"coordinates {point.tolist()} m, allowed: finite numbers")
     nearest = float(np.linalg.norm(rest_points(scene.tissue) - point, axis=1).min())
     if nearest > (allowed := scene.tissue.grasp_radius):
         words = f"{nearest * 1e3:.1f} mm from a node of the tissue, allowed {allowed * 1e3:.1f} mm"

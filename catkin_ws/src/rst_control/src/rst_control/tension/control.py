@@ -67,11 +67,6 @@ class TensionControl:
         return self._profile.state
 
     @property
-    def stiffness(self) -> float:
-        """Estimate of the tissue's stiffness along the path [N/m]."""
-        return self._estimate.value
-
-    @property
     def is_settled(self) -> bool:
         """Whether the tension has been within tolerance of its target for the time asked."""
         return self._settled_for >= self._config.settle_time

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping, Sequence
 
 import rospy
@@ -15,6 +16,7 @@ from rst_control.types import LATCHED
 
 LATE_WARNING = 1.0  # [%] of ticks late, above which the loop is reported
 ERRORS_SHOWN = 3  # of the newest errors in threads
+SHOWN_FOR = 60.0  # [s] for which an error counts
 
 
 class Diagnostics:
@@ -23,11 +25,11 @@ class Diagnostics:
     def __init__(self) -> None:
         self.priority = "none"  # what the system granted the node, in words
         self._publisher = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=1)
-        self._errors: list[str] = []
+        self._errors: list[tuple[float, str]] = []  # [s] when, and what
 
     def error(self, words: str) -> None:
         """Note an error in one of the threads."""
-        self._errors = [*self._errors, words][-ERRORS_SHOWN:]
+        self._errors = [*self._errors, (time.monotonic(), words)][-ERRORS_SHOWN:]
 
     def publish(
         self,
@@ -85,8 +87,10 @@ class Diagnostics:
         level, message = DiagnosticStatus.OK, "on time"
         if loop.late_percent > LATE_WARNING:
             level, message = DiagnosticStatus.WARN, f"{loop.late_percent:.2f} % of ticks late"
-        if self._errors:
-            level, message = DiagnosticStatus.ERROR, self._errors[-1]
+        since = time.monotonic() - SHOWN_FOR
+        errors = [words for when, words in self._errors if when >= since]
+        if errors:
+            level, message = DiagnosticStatus.ERROR, errors[-1]
         values = {
             "ticks": str(loop.ticks),
             "late ticks [%]": f"{loop.late_percent:.3f}",
@@ -95,7 +99,7 @@ class Diagnostics:
             "tick p99 [us]": f"{loop.duration_p99 * 1e6:.0f}",
             "lateness p99 [us]": f"{loop.lateness_p99 * 1e6:.0f}",
             "priority": self.priority,
-            "errors": "; ".join(self._errors) or "none",
+            "errors": "; ".join(errors) or "none",
         }
         return make_status("control loop", level, message, values)
 

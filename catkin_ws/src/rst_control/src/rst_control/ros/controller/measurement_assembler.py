@@ -24,7 +24,7 @@ from rst_control.ros.common.serialization import (
 )
 from rst_control.types import JOINTS, Cause, Measurement, Reason, Vector, frozen_array
 
-LOST_AFTER = 0.25  # [s] without joint states: the robot counts as not connected
+LOST_AFTER = 0.25  # [s] without joint states, at least: the robot counts as not connected
 NO_EFFORT, NO_FORCE = np.zeros(len(JOINTS)), np.zeros(3)
 INVALID_AT_START = {  # why the tension is not trusted, by its source, until the robot says more
     "sensor": "",
@@ -152,7 +152,7 @@ class MeasurementAssembler:
         if measured is None:
             return
         age = self._clock() - measured.stamp
-        is_connected = age < LOST_AFTER
+        is_connected = age < max(LOST_AFTER, self._joint_age)
         if not is_connected:
             self._read.reset()  # a robot that comes back may have another clock
             self._sent_to = None  # and may hold elsewhere

@@ -101,14 +101,14 @@ class ControllerNode:
         )
         homing = HomingGate(settings, lambda: self._context.current.planner.patient, time.monotonic)
         self._homing = HomingService(homing, self._look)
+        limiter = CallLimiter(_in_any_namespace(settings.callers), time.monotonic)
         verify: Verify = RecordedOnly(GraspHere(self._context.verify, grasp_point), watch)
         if settings.first_motion == "confirmed":
-            verify = ConfirmedFirst(verify, self._context, homing).verify
+            verify = ConfirmedFirst(verify, self._context, homing, limiter).verify
         self._commands = CommandQueue(self._executor, verify, time.monotonic)
         self._loop = ControlLoop(self._tick, self._executor.crashed, 1.0 / settings.rate)
         self._state = rospy.Publisher("rst_control/state", ControllerState, queue_size=2)
         self._event = rospy.Publisher("rst_control/event", Event, queue_size=100)
-        limiter = CallLimiter(_in_any_namespace(settings.callers), time.monotonic)
         self._markers = ControllerMarkers(config, self._context, self._look, self._clock)
         self._diagnostics = Diagnostics()
         self._settings = SettingsWatch(self._executor.stop)

@@ -32,6 +32,7 @@ from rst_control.kinova.arm_state import (
 
 ASK_AGAIN: Final = 1.0  # [s] between two looks whether something has to be asked
 SAY_AGAIN: Final = 10.0  # [s] before the same complaint is made again
+LOST_CONNECTION = (rospy.exceptions.ROSInternalException, OSError)  # in the midst of a call
 FIRMWARE_TRIES: Final = 5  # a driver may not know it
 ANSWER_TIME: Final = 2.0  # [s] for a service to be there
 
@@ -136,5 +137,5 @@ class ArmFacts:
     def _try(self, ask: Callable[[], None]) -> None:
         try:
             ask()
-        except (rospy.ServiceException, rospy.ROSException) as error:
+        except (rospy.ServiceException, rospy.ROSException, *LOST_CONNECTION) as error:
             rospy.logwarn_throttle(SAY_AGAIN, f"the arm does not answer: {error}")

@@ -22,7 +22,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from rst_control.errors import RstError
 from rst_control.kinova.brake_plan import LastCourse
 from rst_control.kinova.bridge import Bridge
-from rst_control.kinova.config import BEAT_PERIOD, KinovaConfig
+from rst_control.kinova.config import BEAT_PERIOD, KinovaConfig, require_drivable
 from rst_control.kinova.homing import NotAllowed, home
 from rst_control.msg import BridgeBeat
 from rst_control.ros.common.priority import ask_for_priority
@@ -81,7 +81,7 @@ class KinovaBridgeNode:
         torques = RestTorques(config.torques, description, config.scene.gravity)
         self._bridge = Bridge(config, self._hardware, torques)
         self._offset, self._reader = wall_offset(), JointStateReader(JOINTS)
-        self._jobs: deque[Callable[[], None]] = deque(maxlen=MAX_JOBS)
+        self._jobs: deque[Callable[[], None]] = deque()
         self._published: Measurement | None = None
         self._told_force: Vector | None = None
         self._grip: Repeated[bool] = Repeated(REPEAT_PERIOD)
@@ -186,7 +186,8 @@ class KinovaBridgeNode:
         return on_message
 
     def _on_setpoint(self, message: RawJointState) -> None:
-        self._jobs.append(lambda: self._take(message.raw))
+        if len(self._jobs) < MAX_JOBS:
+            self._jobs.append(lambda: self._take(message.raw))
 
     def _take(self, raw: bytes) -> None:
         self._reader.reset()  # the servo itself judges the order of stamps
@@ -332,6 +333,7 @@ def main() -> None:
     publish_without_waiting()
     with starting("kinova_bridge", refusals=(ConfigError, RstError), launch="kinova.launch"):
         config = load_config(KinovaConfig, launch_settings(), "bridge parameters")
+        require_drivable(config)
         node = KinovaBridgeNode(config, robot_description())
     sys.setswitchinterval(SWITCH_INTERVAL)
     gc.collect()

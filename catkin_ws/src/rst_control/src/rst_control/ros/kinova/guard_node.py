@@ -32,7 +32,8 @@ from typed_config.ros.starting import starting
 from typed_config.ros.system_names import of_this_system
 
 PERIOD = 0.005  # [s] between two rounds
-CLOSING = 1.5  # [s] for which it guards when it is ended; silence and braking take less
+CLOSING = 1.5  # [s] beyond the allowed silence for which it guards when it is ended
+STOPPING = 0.2  # [s] more after it has braked, for the stops
 ALIVE_EVERY = 4  # rounds between two beats for the bridge
 SAY_AGAIN = 10.0  # [s] before a driver that does not hear is named again
 
@@ -62,6 +63,7 @@ class GuardNode:
 
     def __init__(self, config: BridgeConfig) -> None:
         self._guard, self._lock = StopGuard(config), threading.Lock()
+        self._silence = config.guard.silence
         newest: dict[str, Any] = {"queue_size": 1, "tcp_nodelay": True}
         arm = config.arm.namespace
         self._stop = rospy.Publisher(f"{arm}/in/stop", Empty, **newest)
@@ -93,9 +95,11 @@ class GuardNode:
 
         A bridge that lives is heard meanwhile, and brakes the arm by itself.
         """
-        end = time.monotonic() + CLOSING
-        while time.monotonic() < end:
+        end = time.monotonic() + self._silence + CLOSING
+        while (now := time.monotonic()) < end:
             self._guard_once()
+            if self._guard.is_braking:
+                end = max(end, now + STOPPING)
             time.sleep(PERIOD)
 
     def _say_alive(self) -> None:

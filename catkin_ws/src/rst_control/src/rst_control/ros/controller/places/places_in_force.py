@@ -126,7 +126,7 @@ def _with(context: TrocarContext, name: str, numbers: list[float]) -> TrocarCont
         ValueError: It is none that was ever set.
     """
     if not all(map(math.isfinite, numbers)):
-        raise ValueError(f"{name} {numbers}")
+        raise ValueError(f"{name} at {numbers}, allowed: finite numbers")
     if name == "trocar":
         return context.with_trocar(numbers)
     if refusal := off_tissue(context.config.scene, numbers[:3]):

@@ -105,7 +105,7 @@ class GuardedServer(actionlib.ActionServer):
             words = f"a goal id of {len(goal_id.id)} characters, allowed: {LONGEST_ID}"
             return Cause(Reason.BAD_AMOUNT, words)
         known = len(self.status_list)
-        words = f"{known} goals are known already"
+        words = f"{known} goals are known already, allowed: {MAX_GOALS}"
         return Cause(Reason.QUEUE_FULL, words) if known >= MAX_GOALS else None
 
 
