@@ -16,6 +16,7 @@ from voice_assist.config import CONFIG_DIR
 from voice_assist.msg import Alarm
 from voice_assist.ros.alarms import messages
 from voice_assist.ros.alarms import node as alarm_node
+from voice_assist.ros.alarms import viewer as viewer_module
 from voice_assist.ros.alarms.viewer import Lines, Viewer
 
 
@@ -37,7 +38,8 @@ def links(monkeypatch):
     """Connections of the viewer's topic."""
     links = []
     topic = SimpleNamespace(impl=SimpleNamespace(connections=links))
-    monkeypatch.setattr(rospy, "Subscriber", lambda *_: topic)
+    known = SimpleNamespace(hear=lambda *_: topic)
+    monkeypatch.setattr(viewer_module, "Believed", lambda: known)
     return links
 
 

@@ -24,7 +24,7 @@ def test_a_take_without_sound_fails(monkeypatch):
     node._voice = replace(voice, audio=audio)
     left = []
     topic = SimpleNamespace(unregister=lambda: left.append(True))
-    node._believed = SimpleNamespace(hear=lambda *_: topic)
+    node._sound = SimpleNamespace(subscribe=lambda *_: topic)
     with pytest.raises(AudioError, match="no sound on /voice_assist/audio"):
         next(node._listen())
     assert left == [True]

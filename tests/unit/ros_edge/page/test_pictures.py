@@ -12,6 +12,7 @@ from voice_assist.config.display import FILE, DisplayConfig
 from voice_assist.display.theatre import Theatre
 from voice_assist.ros.display import pictures as pictures_module
 from voice_assist.ros.display.pictures import LARGEST, Pictures
+from voice_assist.ros.service_calls import Reply
 
 PNG = b"\x89PNG\r\n\x1a\n"
 STAMP = SimpleNamespace(to_sec=lambda: 1.0)
@@ -26,10 +27,10 @@ def logged(monkeypatch):
 
 @pytest.fixture
 def pictures(monkeypatch):
-    monkeypatch.setattr(rospy, "Subscriber", lambda *_, **__: None)
     monkeypatch.setattr(pictures_module.threading.Thread, "start", lambda _: None)
     theatre = Theatre(0.5, time.monotonic, time.time)
-    return Pictures(load_file(DisplayConfig, FILE).picture, theatre, lambda: True)
+    known = SimpleNamespace(hear=lambda *_, **__: None)
+    return Pictures(load_file(DisplayConfig, FILE).picture, theatre, lambda: True, known)
 
 
 def come(pictures, data):
@@ -40,9 +41,9 @@ def come(pictures, data):
 def ask(monkeypatch, pictures):
     """Ask for one picture, which is promised."""
     ended = iter([False, True])
-    service = SimpleNamespace(success=True, message="")
+    reply = Reply(SimpleNamespace(success=True, message=""))
     monkeypatch.setattr(rospy, "is_shutdown", lambda: next(ended))
-    monkeypatch.setattr(rospy, "ServiceProxy", lambda *_: lambda: service)
+    monkeypatch.setattr(pictures_module, "call_service", lambda *_, **__: reply)
     monkeypatch.setattr(rospy.rostime, "wallsleep", lambda _: None)
     pictures._ask()
 

@@ -11,7 +11,7 @@ from rst_control.types import Reason
 from typed_config import load_config, load_yaml
 from voice_assist.alarms.presenter import event_alarm, latch_alarm, unheard_alarm
 from voice_assist.alarms.types import ControllerEvent, UtteranceReport
-from voice_assist.answers.sentences import TAKEN, UNSPOKEN, WHY, asked, catalogue, taken, why
+from voice_assist.answers.sentences import TAKEN, WHY, asked, catalogue, taken, why
 from voice_assist.answers.word_check import WordCheck
 from voice_assist.config import CONFIG_DIR, CommandsConfig, load_voice_config
 from voice_assist.text.phonetic_distance import can_pronounce
@@ -19,6 +19,22 @@ from voice_assist.types import RejectionReason
 
 CODES = {reason.value for reason in Reason} | {reason.value for reason in RejectionReason}
 COMMANDS_YAML = load_voice_config().commands
+UNSPOKEN = frozenset(  # codes after which nothing is said
+    {
+        # Somebody stopped the robot: a further "stop" must not be hidden. The tone says it.
+        *("stop_topic", "stop_command", "stop_cancel", "shutdown"),
+        # Perhaps a person is saying "stop" again.
+        "halt_unsure",
+        # A motion ended as asked.
+        *("terminated", "replaced"),
+        # Other people's talk.
+        "no_command",
+        # The robot answered itself: to say so would be heard, too.
+        "robot_speaking",
+        # The command is asked for: `asked` gives the sentence.
+        "nearly_sure",
+    }
+)
 needs_sounds = pytest.mark.skipif(not can_pronounce(), reason="espeak-ng is not installed")
 
 

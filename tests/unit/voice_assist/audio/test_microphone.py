@@ -239,10 +239,33 @@ def test_a_person_may_choose_another_and_a_wrong_name_changes_nothing():
         else:
             person.wait(min(number - 1, 2))
 
-    sound = FakeSound([[BUILT_IN, USB]], [blocks(4)] * 2)
+    sound = FakeSound([[BUILT_IN, USB]], [blocks(4)] * 3)
     listen(sound, attempts=4, on_wait=on_wait)
     assert sound.opened[0] == BUILT_IN.name and sound.opened[-1] == USB.name
     assert person.answers[0].startswith("microphone 'no such': not found") and not person.answers[1]
+
+
+def test_a_chosen_one_that_is_busy_is_named_so_and_the_one_before_goes_on(monkeypatch):
+    person = Person("usb")
+    sound = FakeSound([[BUILT_IN, USB]], [blocks(4)] * 2)
+    opened = sound.open
+
+    def busy(device, on_block):
+        if device.name == USB.name:
+            sound.opened.append(device.name)
+            raise DeviceError("busy", device.name)
+        return opened(device, on_block)
+
+    monkeypatch.setattr(sound, "open", busy)
+
+    def on_wait(microphone, number):
+        if number == 1:
+            person.ask(microphone)
+
+    listen(sound, attempts=3, on_wait=on_wait)
+    person.wait(1)
+    assert sound.opened == [BUILT_IN.name, USB.name, BUILT_IN.name]
+    assert "busy" in person.answers[0]
 
 
 def test_a_working_microphone_is_left_for_the_chosen_one_at_once_with_a_gap():

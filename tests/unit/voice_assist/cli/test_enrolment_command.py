@@ -5,6 +5,7 @@ import dataclasses
 
 import pytest
 
+from voice_assist import assembly, recognizer
 from voice_assist.cli.enroll import EnrolRequest, enroll
 from voice_assist.config import CONFIG_DIR, load_voice_config
 from voice_assist.errors import VoiceError
@@ -46,3 +47,17 @@ def test_an_input_that_has_ended_is_said_in_words_and_nothing_is_lost(tmp_path, 
     with pytest.raises(VoiceError, match=r"input has ended .* what was recorded is kept"):
         enroll(load_voice_config(), wanted, ask=ended)
     assert (tmp_path / "ada").is_dir()
+
+
+def test_the_threads_of_the_settings_hold_before_anything_is_computed(tmp_path, monkeypatch):
+    done = []
+
+    def load(*_, **__):
+        done.append("load")
+        raise VoiceError("enough")
+
+    monkeypatch.setattr(assembly, "limit_torch", lambda voice: done.append("limit"))
+    monkeypatch.setattr(recognizer, "load_recognizer", load)
+    with pytest.raises(VoiceError, match="enough"):
+        enroll(load_voice_config(), dataclasses.replace(asked(tmp_path), wavs=None))
+    assert done == ["limit", "load"]

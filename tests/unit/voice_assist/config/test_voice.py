@@ -3,8 +3,14 @@
 import pytest
 import yaml
 
-from typed_config import ConfigError
-from voice_assist.config import CONFIG_DIR, SECTIONS, load_voice_config, voice_config
+from typed_config import ConfigError, load_config, load_yaml
+from voice_assist.config import (
+    CONFIG_DIR,
+    SECTIONS,
+    CommandsConfig,
+    load_voice_config,
+    voice_config,
+)
 
 
 def test_the_shipped_settings_load():
@@ -13,6 +19,17 @@ def test_the_shipped_settings_load():
         *("hey robot", "tense", "release", "pull more", "pull less", "stop", "terminate"),
     )
     assert config.audio.source == "microphone"
+
+
+@pytest.mark.parametrize("file", ["theatre_commands.yaml", "endoscope_commands.yaml"])
+def test_an_english_example_takes_the_phrases_of_the_shipped_commands_as_these_do(file):
+    shipped = load_voice_config().commands
+    example = load_config(CommandsConfig, load_yaml(CONFIG_DIR / file), file)
+    shared = set(example.phrases) & set(shipped.phrases)
+    assert {"hey robot", "stop", "terminate"} <= shared
+    assert [example.get(phrase) for phrase in shared] == [shipped.get(p) for p in shared]
+    others = [c for c in example.commands if c.is_motion and c.phrase not in shared]
+    assert all(command.min_confidence == 0.9 for command in others)
 
 
 def test_every_key_of_the_shipped_files_has_a_comment_in_them():

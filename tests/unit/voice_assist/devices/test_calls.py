@@ -8,7 +8,7 @@ import pytest
 from typed_config import ConfigError, load_config, load_yaml
 from voice_assist.config import CONFIG_DIR, CommandsConfig
 from voice_assist.config.devices import devices_config, require_harmless
-from voice_assist.devices.calls import MAX_WAITING, DeviceCalls
+from voice_assist.devices.calls import MAX_WAITING, DeviceCalls, result_words
 
 FILE = load_yaml(CONFIG_DIR / "devices.yaml")
 COMMANDS = load_config(CommandsConfig, load_yaml(CONFIG_DIR / "theatre_commands.yaml"))
@@ -36,6 +36,11 @@ def begun(calls, count=100):
     return [one.phrase for one in islice(iter(lambda: calls.next(0.0), None), count)]
 
 
+def undone(calls, count=100):
+    """Phrases of the calls that a stop's thread makes now, in their order."""
+    return [one.phrase for one in islice(iter(lambda: calls.next_undoing(0.0), None), count)]
+
+
 def make(calls, *words):
     for word in words:
         assert calls.said(word) is None
@@ -44,6 +49,11 @@ def make(calls, *words):
 
 PRESSURE = (call("higher pressure", on_stop="pressure down"), call("pressure down"))
 LIGHT = (call("light on", on_stop="go dark"), call("go dark"))
+
+
+def test_a_result_is_worded_alike_aloud_and_on_the_page():
+    assert result_words("light on", True, "") == "light on: done"
+    assert result_words("light on", False, "no answer") == "light on: failed, no answer"
 
 
 def test_the_examples_calls_are_harmless():
@@ -72,18 +82,18 @@ def test_a_stop_undoes_what_says_so_once_the_newest_first():
     assert calls.stopped() == ()
     make(calls, "higher pressure", "higher pressure", "light on")
     assert calls.stopped() == ()
-    assert begun(calls) == ["go dark", "pressure down"]
+    assert undone(calls) == ["go dark", "pressure down"]
     assert calls.stopped() == ()
-    assert begun(calls) == []
+    assert undone(calls) == begun(calls) == []
 
 
 def test_a_stop_that_is_reported_twice_undoes_all_of_it_once():
     calls = DeviceCalls(made(*PRESSURE, *LIGHT))
     make(calls, "higher pressure", "light on")
     calls.stopped()
-    assert begun(calls, 1) == ["go dark"]
+    assert undone(calls, 1) == ["go dark"]
     assert calls.stopped() == ()  # the stop topic first, then the controller's event
-    assert begun(calls) == ["pressure down"]
+    assert undone(calls) == ["pressure down"]
 
 
 def test_what_waits_at_a_stop_is_dropped_and_not_undone():
@@ -91,7 +101,7 @@ def test_what_waits_at_a_stop_is_dropped_and_not_undone():
     calls.said("higher pressure")
     (dropped,) = calls.stopped()
     assert (dropped.call.phrase, dropped.is_done) == ("higher pressure", False)
-    assert begun(calls) == []
+    assert undone(calls) == begun(calls) == []
 
 
 def test_a_stop_undoes_what_was_about_to_be_undone_by_a_word():
@@ -99,14 +109,37 @@ def test_a_stop_undoes_what_was_about_to_be_undone_by_a_word():
     make(calls, "light on")
     calls.said("go dark")
     assert calls.stopped() == ()
-    assert begun(calls) == ["go dark"]
+    assert undone(calls) == ["go dark"]
 
 
 def test_what_was_undone_by_a_word_is_not_undone_again():
     calls = DeviceCalls(made(*LIGHT))
     make(calls, "light on", "go dark")
     assert calls.stopped() == ()
+    assert undone(calls) == begun(calls) == []
+
+
+def test_what_is_said_after_a_stop_waits_for_what_the_stop_undoes():
+    calls = DeviceCalls(made(*LIGHT))
+    make(calls, "light on")
+    calls.stopped()
+    calls.said("light on")
     assert begun(calls) == []
+    assert undone(calls, 1) == ["go dark"]
+    assert begun(calls) == []  # it is at work
+    assert undone(calls) == []
+    assert begun(calls) == ["light on"]
+
+
+def test_a_stop_concerns_the_call_at_work_unless_that_undoes_another():
+    calls = DeviceCalls(made(*LIGHT))
+    for phrase, is_given_up in (("light on", True), ("go dark", False)):
+        make(calls, phrase)
+        is_stopped = calls.stop_check(made(*LIGHT).get(phrase))
+        assert not is_stopped()
+        calls.stopped()
+        assert is_stopped() is is_given_up
+        undone(calls)
 
 
 @pytest.mark.parametrize(
@@ -116,6 +149,8 @@ def test_what_was_undone_by_a_word_is_not_undone_again():
         ({"target": "robot/home_tool"}, "the robot's or this system's own"),
         ({"target": "/left/rst_control/set_trocar"}, "the robot's or this system's own"),
         ({"target": "/my_gen3/base/send_joint_speeds"}, "own"),
+        ({"target": "/openrst/effort_controller/command"}, "own"),
+        ({"target": "/left/gen3/state_command"}, "own"),
         ({"target": "voice_assist/set_microphone"}, "own"),
         ({"target": "/theatre light"}, "a name of ROS"),
         ({"target": "http://theatre"}, "a name of ROS"),

@@ -120,13 +120,13 @@ def test_what_is_asked_for_badly_is_named_and_does_nothing(body):
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
-        ({"x": 1.0}, "x is a share of the picture, from 0 up to below 1"),
-        ({"y": -0.1}, "y is a share"),
-        ({"y": True}, "y is a share"),
-        ({"stamp": None}, "stamp is when the picture was taken, in seconds from 0 on"),
-        ({"stamp": -1.0}, "stamp is when"),
-        ({"stamp": float("inf")}, "stamp is when"),
-        ({"z": 0.0}, "grasp takes x, y, stamp, and nothing else"),
+        ({"x": 1.0}, r"x is 1\.0, allowed: a share of the picture, from 0 up to below 1"),
+        ({"y": -0.1}, r"y is -0\.1, allowed: a share"),
+        ({"y": True}, "y is True, allowed: a share"),
+        ({"stamp": None}, "stamp is None, allowed: when the picture was taken, in seconds"),
+        ({"stamp": -1.0}, r"stamp is -1\.0, allowed: when"),
+        ({"stamp": float("inf")}, "stamp is inf, allowed: when"),
+        ({"z": 0.0}, "grasp has x, y, stamp, z, allowed: x, y, stamp, and nothing else"),
     ],
 )
 def test_a_click_is_three_numbers(wrong, words):
@@ -136,6 +136,29 @@ def test_a_click_is_three_numbers(wrong, words):
     assert acts.asked == [("grasp", 0.5, 0.0, 7.0)]
     with pytest.raises(BadRequestError, match=words):
         read_act("grasp", json.dumps({**right, **wrong}).encode())
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "words"),
+    [
+        ("microphone", b"{name", "the body is b'{name', allowed: JSON"),
+        ("microphone", b"{}", "microphone has nothing, allowed: name, and nothing else"),
+        ("microphone", b"[1]", "microphone has a list, allowed: name, and nothing else"),
+        ("microphone", b'{"name": [1]}', "name is a list, allowed: printable text of 1 to 200"),
+        ("answer", b'{"command": "tense", "yes": 1}', "yes is 1, allowed: true or false"),
+    ],
+)
+def test_what_was_given_and_what_is_allowed_is_said_in_short(name, given, words):
+    with pytest.raises(BadRequestError, match=words.replace("[", r"\[")) as error:
+        read_act(name, given)
+    assert len(str(error.value)) < 120
+
+
+def test_what_was_given_is_shown_up_to_a_few_letters():
+    for body in (b"?" * 10_000, json.dumps({"name": "\n" * 10_000}).encode()):
+        with pytest.raises(BadRequestError, match="allowed") as error:
+            read_act("microphone", body)
+        assert len(str(error.value)) < 120
 
 
 def test_an_act_that_fails_is_logged_and_answered():

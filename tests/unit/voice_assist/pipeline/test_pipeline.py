@@ -6,6 +6,7 @@ import pytest
 
 from tests.unit.voice_assist.support.fake_pipeline import (
     COMMANDS,
+    FakeSpotting,
     commands,
     decisions,
     hear,
@@ -223,6 +224,20 @@ def test_commands_are_heard_with_every_setting_of_noise_reduction(mode):
         "hey robot",
         "tense",
     ]
+
+
+@pytest.mark.parametrize("mode", ["off", "endpointing_only", "on"])
+def test_the_spotter_hears_the_sound_as_it_came(mode):
+    heard = []
+
+    class Listening(FakeSpotting):
+        def __call__(self, frame):
+            heard.append(frame.samples)
+
+    pipeline, clock = make(spotting=Listening(), audio__denoise__mode=mode)
+    came = frames(say("0.3 tense"))
+    run(pipeline, clock, came)
+    np.testing.assert_array_equal(np.concatenate(heard), np.concatenate([f.samples for f in came]))
 
 
 def test_no_first_consonant_is_lost():

@@ -137,7 +137,7 @@ def test_a_phrase_without_background_is_refused_with_what_measures_it():
     commands = (replace(GERMAN.commands[0], background=()), *GERMAN.commands[1:])
     with pytest.raises(CommandsError, match=r"commands\[0\].background.*phrase_background"):
         replace(GERMAN, commands=commands)
-    with pytest.raises(CommandsError, match="mean and spread"):
+    with pytest.raises(CommandsError, match="median and spread"):
         replace(GERMAN.commands[0], background=(-30.0, 0.0))
 
 

@@ -18,13 +18,15 @@ class Topic:
 
     def __init__(self):
         self.now = 0.0
-        self.topic = RobotSpeechTopic(lambda: self.now, SimpleNamespace(hear=self.hear))
+        known, longest = SimpleNamespace(hear=self.hear), CONFIG.max_duration
+        self.topic = RobotSpeechTopic(lambda: self.now, known, longest)
 
     def hear(self, by, name, kind, callback):
         self.by, self.name, self.callback = by, name, callback
 
-    def report(self, is_speaking):
-        self.callback(SimpleNamespace(data=is_speaking))
+    def report(self, is_speaking, by="/alarms"):
+        header = {"callerid": by}
+        self.callback(SimpleNamespace(data=is_speaking, _connection_header=header))
 
 
 @pytest.fixture
@@ -38,6 +40,27 @@ def test_what_is_reported_is_taken_once(topic):
     topic.report(True)
     assert topic.topic.take() == [RobotSpeechChange(True, 3.0)]
     assert topic.topic.take() == []
+
+
+def test_speech_ends_when_no_loudspeaker_is_left_that_speaks(topic):
+    taken = []
+    for topic.now, is_speaking, by in (
+        (0.0, True, "/tts"),
+        (2.0, True, "/alarms"),
+        (3.0, False, "/alarms"),
+        (8.0, False, "/tts"),
+    ):
+        topic.report(is_speaking, by)
+        taken += topic.topic.take()
+    assert [(t.is_speaking, t.time) for t in taken] == [(True, 0.0), (True, 2.0), (False, 8.0)]
+
+
+def test_a_node_that_died_while_it_spoke_holds_up_no_end_for_longer_than_speech_counts(topic):
+    topic.report(True, "/tts")
+    topic.now = CONFIG.max_duration + 1.0
+    topic.report(True, "/alarms")
+    topic.report(False, "/alarms")
+    assert topic.topic.take()[-1] == RobotSpeechChange(False, topic.now)
 
 
 @given(REPORTS)

@@ -24,8 +24,8 @@ RULES = (
     WordRule("pull less", frozenset({"active"}), frozenset({"active", "moving"}), True),
     WordRule("stop", BOTH, ANY, None),
 )
-PULLING = RobotPart("moving", "pull", "tense", 0.4, True, True, "", "")
-HALTED = RobotPart("halted", "hold", "tense", 1.0, True, True, "stopped by /display", "")
+PULLING = RobotPart("moving", "pull", "tense", 0.4, True, "")
+HALTED = RobotPart("halted", "hold", "tense", 1.0, True, "stopped by /display")
 TISSUE = TissuePart(0.62, 1.0, 2.3e-5, 0.121)
 STOPPED = AlarmPart("stop", 2, "stopped by /display", 'say "hey robot" to go on')
 

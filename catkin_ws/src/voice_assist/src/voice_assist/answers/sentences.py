@@ -102,23 +102,6 @@ WHY: Final = {  # by reason code
     "other_mode": "wrong mode",
 }
 
-UNSPOKEN: Final = frozenset(  # codes after which nothing is said
-    {
-        # Somebody stopped the robot: a further "stop" must not be hidden. The tone says it.
-        *("stop_topic", "stop_command", "stop_cancel", "shutdown"),
-        # Perhaps a person is saying "stop" again.
-        "halt_unsure",
-        # A motion ended as asked.
-        *("terminated", "replaced"),
-        # Other people's talk.
-        "no_command",
-        # The robot answered itself: to say so would be heard, too.
-        "robot_speaking",
-        # The command is asked for: `asked` gives the sentence.
-        "nearly_sure",
-    }
-)
-
 
 def taken(command: str) -> str:
     """What is said of a command that was accepted, whatever its amount."""

@@ -55,12 +55,14 @@ def enroll(voice: VoiceConfig, asked: EnrolRequest, ask: Callable[[str], str] = 
     Raises:
         VoiceError: Something of it cannot be used; says what.
     """
+    from voice_assist.assembly import limit_torch
     from voice_assist.recognizer import load_recognizer
 
     require_letters(voice.commands.fixed_phrases)
     console, config = Console(), load_enrolment_config(asked.settings)
     _warn_of_alikes(voice.commands, console)
     recorded = _recorded(asked, config.session_reader, voice.commands.fixed_phrases)
+    limit_torch(voice)
     recognizer = voice.recognizer  # whose device may be another: learning needs none
     base = load_recognizer(recognizer.model, precision=recognizer.precision)
     profile = _open_or_create(asked, base)

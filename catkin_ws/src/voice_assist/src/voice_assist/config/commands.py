@@ -73,7 +73,7 @@ class CommandConfig:
         if self.is_halt:
             self._check_halt()
         is_pair = len(self.background) == 2 and self.background[1] > 0.0
-        allowed = "mean and spread, the second above 0, or no such key"
+        allowed = "median and spread, the second above 0, or no such key"
         _require(is_pair or not self.background, "background", list(self.background), allowed)
 
     def _check_halt(self) -> None:

@@ -19,7 +19,11 @@ NAME: Final = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*")
 TYPE: Final = re.compile(r"[a-z][a-z0-9_]*/[A-Za-z]\w*")
 # Name spaces of the robot, of its drivers and of this system: what moves is no device.
 OWN: Final = frozenset(
-    {"rst_control", "robot", "controller", "voice_assist", "session_log", "my_gen3", "base"}
+    (
+        *("rst_control", "robot", "controller", "voice_assist", "session_log"),
+        *("my_gen3", "gen3", "base", "openrst", "kinova_bridge", "kinova_guard", "torque_tension"),
+        *("joint_states", "joy"),
+    )
 )
 
 

@@ -11,6 +11,7 @@ from typing import Final, Protocol, TypeGuard
 
 STOP = "stop"  # needs no token
 MOST_LETTERS = 200  # of a text that is asked for
+MOST_SHOWN = 40  # letters of what was given wrongly
 
 
 @dataclass(frozen=True)
@@ -71,9 +72,11 @@ def read_act(name: str, body: bytes) -> Callable[[Acts], Outcome]:
     try:
         given = json.loads(body)
     except (ValueError, RecursionError):
-        raise BadRequestError("the body is not JSON") from None
+        raise BadRequestError(f"the body is {body[:MOST_SHOWN]!r}, allowed: JSON") from None
     if not isinstance(given, dict) or set(given) != set(form.fields):
-        raise BadRequestError(f"{name} takes {', '.join(form.fields)}, and nothing else")
+        found = ", ".join(given) if isinstance(given, dict) else _shown(given)
+        allowed = f"{', '.join(form.fields)}, and nothing else"
+        raise BadRequestError(f"{name} has {found[:MOST_SHOWN] or 'nothing'}, allowed: {allowed}")
     values = [read(key, given[key]) for key, read in form.fields.items()]
     return lambda acts: form.call(acts, *values)
 
@@ -81,19 +84,19 @@ def read_act(name: str, body: bytes) -> Callable[[Acts], Outcome]:
 def _yes(key: str, value: object) -> bool:
     if isinstance(value, bool):
         return value
-    raise BadRequestError(f"{key} is true or false")
+    raise _refused(key, value, "true or false")
 
 
 def _share(key: str, value: object) -> float:
     if _is_number(value) and 0.0 <= value < 1.0:
         return float(value)
-    raise BadRequestError(f"{key} is a share of the picture, from 0 up to below 1")
+    raise _refused(key, value, "a share of the picture, from 0 up to below 1")
 
 
 def _stamp(key: str, value: object) -> float:
     if _is_number(value) and 0.0 <= value < math.inf:
         return float(value)
-    raise BadRequestError(f"{key} is when the picture was taken, in seconds from 0 on")
+    raise _refused(key, value, "when the picture was taken, in seconds from 0 on")
 
 
 def _is_number(value: object) -> TypeGuard[int | float]:
@@ -103,7 +106,18 @@ def _is_number(value: object) -> TypeGuard[int | float]:
 def _text(key: str, value: object) -> str:
     if isinstance(value, str) and 0 < len(value) <= MOST_LETTERS and value.isprintable():
         return value
-    raise BadRequestError(f"{key} is printable text of up to {MOST_LETTERS} letters")
+    raise _refused(key, value, f"printable text of 1 to {MOST_LETTERS} letters")
+
+
+def _refused(key: str, value: object, allowed: str) -> BadRequestError:
+    return BadRequestError(f"{key} is {_shown(value)}, allowed: {allowed}")
+
+
+def _shown(value: object) -> str:
+    """What was given, in short."""
+    if isinstance(value, list | dict):
+        return f"a {type(value).__name__}"
+    return f"{value!r:.{MOST_SHOWN}}"
 
 
 FORMS: Final[Mapping[str, _Form]] = {

@@ -122,10 +122,15 @@ class Sheet:
         origin, way = camera.ray(x, y)
         slope = float(way @ self.normal)
         if abs(slope) < FLAT:
-            raise NotOnTissueError("the endoscope sees the tissue from its edge there")
+            angle, least = np.degrees(np.arcsin([abs(slope), FLAT]))
+            words = f"at {angle:.1f}°, allowed: from {least:.1f}° on"
+            raise NotOnTissueError(f"the endoscope sees the tissue from its edge there, {words}")
         depth = float((self.nodes[0] - origin) @ self.normal) / slope
         aside = np.linalg.norm(self.nodes - (origin + depth * way), axis=1)
-        if depth <= 0.0 or aside.min() > ASIDE:
-            raise NotOnTissueError("there is no tissue")
+        if depth <= 0.0:
+            raise NotOnTissueError("there is no tissue: it lies behind the endoscope")
+        if aside.min() > ASIDE:
+            words = f"the nearest is {1e3 * aside.min():.1f} mm away, allowed: {1e3 * ASIDE:g} mm"
+            raise NotOnTissueError(f"there is no tissue: {words}")
         found: Array = self.nodes[int(aside.argmin())]
         return found

@@ -14,10 +14,8 @@ class RobotPart:
     phase: str
     command: str  # in execution, or the last one
     progress: float  # [0, 1] of the phase
-    is_active: bool  # "hey robot" was taken
     is_tissue_held: bool
     halt_reason: str
-    last_refusal: str
     remaining: float | None = None  # [s] of the phase, estimated; None: unknown
     words: tuple[str, ...] = ()  # spoken words that count now
     age: float = 0.0  # [s]

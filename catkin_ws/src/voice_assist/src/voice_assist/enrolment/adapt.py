@@ -36,7 +36,6 @@ class Adapted:
     """What adaptation came to."""
 
     state: dict[str, Tensor]  # the tensors that were trained, by their name in WhisperCtc
-    loss: float  # mean over the last ten steps
     seconds: float  # [s] of CPU time
 
 
@@ -80,7 +79,6 @@ def adapt(
     for parameter in trained:
         parameter.requires_grad_(True)
     optimiser = torch.optim.Adam(trained, lr=config.rate, betas=(0.9, 0.98))
-    losses = []
     batches = _batches(stored[0], stored[1], config, np.random.default_rng(config.seed))
     for step, batch in zip(range(config.steps), batches, strict=False):
         for group in optimiser.param_groups:
@@ -90,9 +88,8 @@ def adapt(
         loss.backward()
         torch.nn.utils.clip_grad_norm_(trained, _CLIPPED)
         optimiser.step()
-        losses.append(float(loss.detach()))
     state = {name: learner.get_parameter(name).detach().clone() for name in names}
-    return Adapted(state, float(np.mean(losses[-10:])), time.process_time() - began)
+    return Adapted(state, time.process_time() - began)
 
 
 def _store(model: WhisperCtc, examples: Sequence[Example], blocks: int) -> list[_Stored]:

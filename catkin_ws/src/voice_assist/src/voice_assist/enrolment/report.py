@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import asdict, dataclass
 
 from voice_assist.enrolment.self_check import SelfCheckResult, SelfCheckTrial
@@ -25,7 +26,10 @@ class Effort:
 def as_json(
     manifest: Manifest, verdict: SelfCheckResult, problems: tuple[str, ...], effort: Effort
 ) -> bytes:
-    """All figures of the check; no sound, and of what was said only the commands."""
+    """All figures of the check; no sound, and of what was said only the commands.
+
+    A rate without a bound, as no talk was recorded, is null.
+    """
     data = {
         "name": manifest.name,
         "base_sha256": manifest.base_sha256,
@@ -40,10 +44,13 @@ def as_json(
             "commands": _counts([t for t in verdict.others if t.phrase]),
             "near_misses_and_talk": _accepted([t for t in verdict.others if not t.phrase]),
         },
-        "expected": [asdict(one) for one in verdict.expected],
+        "expected": [
+            {key: None if value == math.inf else value for key, value in asdict(one).items()}
+            for one in verdict.expected
+        ],
         "effort": asdict(effort),
     }
-    return (json.dumps(data, indent=1) + "\n").encode()
+    return (json.dumps(data, indent=1, allow_nan=False) + "\n").encode()
 
 
 def as_markdown(

@@ -120,9 +120,9 @@ class Pipeline:
         if self._overload_recovery.is_over(frame):
             self._detector.reset()
         endpoint = self._endpointer(self._detector(cleaned), frame.duration)
-        if self._config.audio.denoise.mode == "on":
-            frame = replace(frame, samples=cleaned)
-        partial = self._segmenter(frame, endpoint)
+        is_cleaned = self._config.audio.denoise.mode == "on"  # for the recogniser alone
+        heard = replace(frame, samples=cleaned) if is_cleaned else frame
+        partial = self._segmenter(heard, endpoint)
         if partial is not None:  # before a stop, after which what was said so far counts no more
             self._decider.stops.hear(partial.utterance.samples)
         if spotted := self._stop_fusion.update(frame):

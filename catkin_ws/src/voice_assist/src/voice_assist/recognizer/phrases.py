@@ -3,7 +3,7 @@
 
 Such a model writes a short command wrongly more often than not, and prefers short texts. But how
 likely each phrase is in the sound, relative to how likely it is in other sounds, tells them apart:
-log-likelihood, less its mean over sounds of other words, by their spread (a cohort norm as in
+log-likelihood, less its median over sounds of other words, by their spread (a cohort norm as in
 speaker verification: Auckenthaler et al. 2000). Mean and spread stand with each phrase.
 """
 
@@ -20,7 +20,7 @@ from voice_assist.recognizer.whisper import OpenAIRecognizer
 from voice_assist.text.normalize import is_negated, normalize
 from voice_assist.types import Hypothesis, IsHopeless, Samples, never_hopeless
 
-LEAST: Final = 2.0  # [spreads] above the mean that a phrase must be
+LEAST: Final = 2.0  # [spreads] above the median that a phrase must be
 LEAST_OF_MOTION: Final = 3.0  # [spreads] the same of a phrase that moves the robot
 APART: Final = 0.7  # [spreads] from the best phrase of another command
 BEHIND: Final = 20.0  # [nat] that a phrase of no motion may be less likely than the free text
@@ -81,7 +81,7 @@ class PhraseRecognizer:
         """Per phrase its normed likelihood [spreads]."""
         if self._normed is None or not is_same(self._normed[0], samples):
             likely = self._base.likelihoods(samples, self._texts)
-            found = {p: (likely[p] - mean) / s for p, (mean, s) in self._backgrounds.items()}
+            found = {p: (likely[p] - middle) / s for p, (middle, s) in self._backgrounds.items()}
             self._normed = samples, found
         return self._normed[1]
 

@@ -87,7 +87,7 @@ class RecordedSound(Protocol):
 
 @dataclass(frozen=True)
 class ReplayedDecision:
-    """One decision, with the fields of the message voice_assist/Utterance."""
+    """One decision, with the fields of the message voice_assist/Utterance but `reason_code`."""
 
     transcript: str
     wer: Mapping[str, float]

@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import partial
 
 import rospy
 
 from typed_config import ConfigError
+from typed_config.ros.known_publishers import DIAGNOSTICS_PERIOD
 from typed_config.ros.starting import starting
 from voice_assist.assembly import limit_torch
 from voice_assist.config import CONFIG_DIR, VoiceConfig, load_voice_config
@@ -18,7 +18,7 @@ from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
 from voice_assist.enrolment.remote_session import ActionResult, EnrolmentService
 from voice_assist.enrolment.takes.script import require_letters
 from voice_assist.errors import AudioError, VoiceError
-from voice_assist.msg import Mode
+from voice_assist.msg import AudioChunk, Mode
 from voice_assist.profile.profile import profiles_folder
 from voice_assist.recognizer import load_recognizer
 from voice_assist.ros.believed import Believed
@@ -32,8 +32,31 @@ _AUDIO, _MODE, _SERVICE = "voice_assist/audio", "voice_assist/mode", "voice_assi
 def main() -> None:
     """Run the enrolment node."""
     with starting("enrolment", refusals=(ConfigError, VoiceError)):
-        EnrolmentNode()
-    rospy.spin()
+        node = EnrolmentNode()
+    while not rospy.is_shutdown():
+        node.publish_status()
+        rospy.rostime.wallsleep(DIAGNOSTICS_PERIOD)
+
+
+class _Sound:
+    """The voice node's sound: one subscription, whose chunks go to the take that goes on."""
+
+    def __init__(self, believed: Believed) -> None:
+        self._callback: Callable[[AudioChunk], None] | None = None
+        believed.hear("voice", _AUDIO, AudioChunk, self._take)
+
+    def subscribe(self, name: str, kind: type, callback: Callable[[AudioChunk], None]) -> _Sound:
+        """Hand chunks on from now, until `unregister`."""
+        self._callback = callback
+        return self
+
+    def unregister(self) -> None:
+        """Hand none on."""
+        self._callback = None
+
+    def _take(self, chunk: AudioChunk) -> None:
+        if (callback := self._callback) is not None:
+            callback(chunk)
 
 
 class EnrolmentNode:
@@ -50,7 +73,12 @@ class EnrolmentNode:
         self._service = EnrolmentService(*args)
         self._believed = Believed()
         self._believed.hear("voice", _MODE, Mode, self._take_mode)
+        self._sound = _Sound(self._believed)
         rospy.Service(_SERVICE, Enroll, self._serve)
+
+    def publish_status(self) -> None:
+        """Name who is not believed."""
+        self._believed.publish_status()
 
     def _serve(self, request: EnrollRequest) -> EnrollResponse:
         limit_torch(self._voice)  # each call has a thread of its own
@@ -64,7 +92,7 @@ class EnrolmentNode:
 
     def _listen(self) -> Iterator[Frame]:
         topic = replace(self._voice.audio.topic, name=_AUDIO)
-        with TopicSource(topic, _raise, partial(self._believed.hear, "voice")) as source:
+        with TopicSource(topic, _raise, self._sound.subscribe) as source:
             yield from source
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
 from numpy.typing import NDArray
 
 from voice_assist.msg import AudioChunk
@@ -25,6 +26,12 @@ def audio_chunk(frame: Frame) -> AudioChunk:
 def pcm(chunk: AudioChunk) -> NDArray[np.int16]:
     """Samples of a chunk, shape (n,)."""
     return np.asarray(chunk.samples, np.int16)
+
+
+def is_bad(status: DiagnosticStatus) -> bool:
+    """Whether a part reports an error, or nothing any more."""
+    level = status.level[0] if isinstance(status.level, bytes) else int(status.level)
+    return level >= 2  # ERROR or STALE
 
 
 def utterance(decision: UtteranceDecision, now: float) -> UtteranceMessage:

@@ -53,7 +53,8 @@ class QuestionService:
             has_stood = given.stood.result(WITHIN)
         except TimeoutError:
             if given.stood.cancel():
-                return AnswerQuestionResponse(False, "recognition does not answer")
+                words = f"recognition does not answer within {WITHIN:g} s"
+                return AnswerQuestionResponse(False, words)
             has_stood = given.stood.result(WITHIN)
         if not has_stood:
             return AnswerQuestionResponse(False, f"{request.command!r} is not asked for any more")

@@ -87,7 +87,19 @@ class Reply:
     may_take_effect: bool = False  # the request went out, and nothing says what became of it
 
 
-def call_service(name: str, kind: Any, *words: Any, within: float, appears: float = 0.0) -> Reply:
+def never() -> bool:
+    """Nothing is given up."""
+    return False
+
+
+def call_service(
+    name: str,
+    kind: Any,
+    *words: Any,
+    within: float,
+    appears: float = 0.0,
+    is_void: Callable[[], bool] = never,
+) -> Reply:
     """Ask a service once; what is not sent in time is never sent.
 
     Args:
@@ -96,8 +108,9 @@ def call_service(name: str, kind: Any, *words: Any, within: float, appears: floa
         words: Of the request.
         within: Longest wait for the answer [s].
         appears: Longest wait for the service to be there [s]; 0: it has to be there already.
+        is_void: Whether the request is not to be sent any more.
     """
-    sending = _Sending()
+    sending = _Sending(is_void)
     request = timely(kind._request_class, time.monotonic() + within, sending.begin)(*words)
     proxy = rospy.ServiceProxy(name, kind, persistent=True)  # which `drop` can close
 
@@ -123,8 +136,8 @@ def call_service(name: str, kind: Any, *words: Any, within: float, appears: floa
 class _Sending:
     """Whether a request went out; once it is given up it no longer does."""
 
-    def __init__(self) -> None:
-        self._lock, self._is_given_up = threading.Lock(), False
+    def __init__(self, is_void: Callable[[], bool]) -> None:
+        self._lock, self._is_given_up, self._is_void = threading.Lock(), False, is_void
         self.has_begun = False
 
     def begin(self) -> None:
@@ -134,7 +147,7 @@ class _Sending:
             rospy.ServiceException: It was given up before.
         """
         with self._lock:
-            if self._is_given_up:
+            if self._is_given_up or self._is_void():
                 raise rospy.ServiceException("given up before it was sent")
             self.has_begun = True
 

@@ -71,8 +71,8 @@ def main() -> None:
     file = options.config / f"commands_{options.language}.yaml"
     commands = load_config(CommandsConfig, load_yaml(file), file.name)
     recognizer = load_multilingual(options.model, "cpu", options.language)
-    for phrase, (mean, spread) in backgrounds(commands, recognizer).items():
-        print(f"{phrase}: [{mean:.1f}, {spread:.1f}]")
+    for phrase, (median, spread) in backgrounds(commands, recognizer).items():
+        print(f"{phrase}: [{median:.1f}, {spread:.1f}]")
 
 
 if __name__ == "__main__":

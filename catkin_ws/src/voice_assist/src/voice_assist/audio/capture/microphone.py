@@ -131,23 +131,35 @@ class Microphone:
     def _open(self) -> Device:
         self._close()
         devices = self._backend.devices()
-        self._take_choices(devices)
+        before = self.name, self._is_kept
+        taken = self._take_choices(devices)
         device = choose(self.name, devices, is_whole=self._is_kept)
         self._queue, self._dropped = Queue(_QUEUE), False
-        self._stream = self._backend.open(device, self._enqueue)
+        try:
+            self._stream = self._backend.open(device, self._enqueue)
+        except DeviceError as error:
+            self.name, self._is_kept = before
+            for choice in taken:
+                choice.answer.set_result(str(error))
+            raise
         self.name, self._is_kept = device.name, True
+        for choice in taken:
+            choice.answer.set_result("")
         return device
 
-    def _take_choices(self, devices: list[Device]) -> None:
+    def _take_choices(self, devices: list[Device]) -> list[_Choice]:
+        """Choices of devices that are there, still to be answered: the last is to be opened."""
+        taken = []
         while not self._choices.empty():
             choice = self._choices.get()
             if not choice.answer.set_running_or_notify_cancel():
                 continue  # the caller waits no longer, and was refused
             try:
                 self.name, self._is_kept = choose(choice.name, devices).name, True
-                choice.answer.set_result("")
+                taken.append(choice)
             except DeviceError as error:
                 choice.answer.set_result(str(error))
+        return taken
 
     def _close(self) -> None:
         if self._stream is not None:

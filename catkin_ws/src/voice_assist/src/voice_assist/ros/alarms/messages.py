@@ -25,6 +25,7 @@ from voice_assist.alarms.types import (
 from voice_assist.config.alarms import AlarmMarkerConfig
 from voice_assist.msg import Alarm as AlarmMessage
 from voice_assist.msg import Utterance as UtteranceMessage
+from voice_assist.ros.messages import is_bad
 
 MARKER, HEARD = "alarm", "heard"  # name spaces of the markers
 BELOW = 4.0  # heights of a letter from the alarm's line to what is heard
@@ -58,9 +59,8 @@ def utterance(message: UtteranceMessage) -> UtteranceReport:
 
 def part_health(status: DiagnosticStatus) -> PartHealth:
     """One status of `/diagnostics`."""
-    level = status.level[0] if isinstance(status.level, bytes) else int(status.level)
     code = next((pair.value for pair in status.values if pair.key == "reason_code"), "")
-    return PartHealth(status.name, level >= 2, status.message, code)  # ERROR or STALE
+    return PartHealth(status.name, is_bad(status), status.message, code)
 
 
 def alarm_message(standing: Sequence[Standing], now: float, stamp: float) -> AlarmMessage:

@@ -18,6 +18,7 @@ from voice_assist.alarms.screen import NO_WORD, AlarmScreen
 from voice_assist.alarms.types import AlarmText, Kind, Priority
 from voice_assist.msg import Alarm as AlarmMessage
 from voice_assist.ros.alarms.alarm_watch import AlarmWatch
+from voice_assist.ros.believed import Believed
 from voice_assist.ros.connected import is_connected, publisher_of
 
 _REFRESH = 8  # [Hz], enough for flashing
@@ -47,8 +48,9 @@ class Viewer:
         self._view = view
         self._shown: AlarmMessage | str | None = "nothing yet"
         self._watch = AlarmWatch(self._show, lambda: is_connected(self._topic), clock)
-        self._topic = rospy.Subscriber("voice_assist/alarm", AlarmMessage, self._take)
-        rospy.Subscriber("/diagnostics", DiagnosticArray, self._see_status)
+        hear = Believed().hear
+        self._topic = hear("system", "voice_assist/alarm", AlarmMessage, self._take)
+        hear("system", "/diagnostics", DiagnosticArray, self._see_status)
 
     def look(self) -> None:
         """Notice that no alarm node is there, or it hangs: then nothing says that all is well."""

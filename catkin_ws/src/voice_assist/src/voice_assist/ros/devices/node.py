@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+import threading
+from collections.abc import Callable
+
 import rospy
 from std_msgs.msg import Empty as EmptyMessage
 from std_msgs.msg import String
@@ -13,12 +16,18 @@ from typed_config.errors import Missing
 from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
 from voice_assist.config import CommandsConfig
-from voice_assist.config.devices import DevicesConfig, devices_config, require_harmless
-from voice_assist.devices.calls import CallResult, DeviceCalls
+from voice_assist.config.devices import (
+    DeviceCallConfig,
+    DevicesConfig,
+    devices_config,
+    require_harmless,
+)
+from voice_assist.devices.calls import CallResult, DeviceCalls, result_words
 from voice_assist.errors import CommandsError
 from voice_assist.msg import DeviceCall, Utterance
 from voice_assist.ros.believed import Believed
 from voice_assist.ros.devices.targets import Target, make_target
+from voice_assist.ros.service_calls import never
 from voice_assist.text.spoken_reply import spoken_reply
 
 VOICE = "voice_assist"  # node whose parameters hold the spoken commands
@@ -26,7 +35,7 @@ IDLE = 0.2  # [s] between checks whether ROS ends
 
 
 class DevicesNode:
-    """Follows the voice node and stops; makes one call after the other.
+    """Follows the voice node and stops; makes one call after the other, and undoes beside them.
 
     Args:
         config: The allow-list.
@@ -55,14 +64,23 @@ class DevicesNode:
 
     def run(self) -> None:
         """Make calls until ROS shuts down."""
+        threading.Thread(target=self._undo, name="undo", daemon=True).start()
         while not rospy.is_shutdown():
             self._known.publish_status()
-            if (call := self._calls.next(IDLE)) is None:
-                continue
-            try:
-                self._report(self._targets[call.phrase].call())
-            except Exception as error:  # top of a call: the person must hear of it
-                self._report(CallResult(call, False, repr(error)))
+            if (call := self._calls.next(IDLE)) is not None:
+                self._make(call, self._calls.stop_check(call))
+
+    def _undo(self) -> None:
+        """Make what undoes calls at a stop; a thread of its own, as a call at work may hang."""
+        while not rospy.is_shutdown():
+            if (call := self._calls.next_undoing(IDLE)) is not None:
+                self._make(call, never)
+
+    def _make(self, call: DeviceCallConfig, is_stopped: Callable[[], bool]) -> None:
+        try:
+            self._report(self._targets[call.phrase].call(is_stopped))
+        except Exception as error:  # top of a call: the person must hear of it
+            self._report(CallResult(call, False, repr(error)))
 
     def _on_utterance(self, message: Utterance) -> None:
         if (refused := self._calls.said(message.command)) is not None:
@@ -78,8 +96,7 @@ class DevicesNode:
 
     def _report(self, result: CallResult) -> None:
         """Say, show and record what came of a call."""
-        done = "done" if result.is_done else "failed"
-        words = f"{result.call.phrase}: {done}{f', {result.words}' if result.words else ''}"
+        words = result_words(result.call.phrase, result.is_done, result.words)
         (rospy.loginfo if result.is_done else rospy.logwarn)("%s", words)
         message = DeviceCall(
             phrase=result.call.phrase,

@@ -15,20 +15,25 @@ from actionlib_msgs.msg import GoalID, GoalStatus
 from genpy.message import fill_message_args
 
 from voice_assist.config.devices import DeviceCallConfig
-from voice_assist.devices.calls import CallResult
+from voice_assist.devices.calls import DROPPED, CallResult
 from voice_assist.errors import CommandsError
 from voice_assist.ros.devices.types import message_class, service_class
-from voice_assist.ros.service_calls import call_service
+from voice_assist.ros.service_calls import call_service, never
 
 ANSWER_FIELDS: Final = ("success", "accepted")  # of a response that may say no
 MAY_COME: Final = "; it may still be carried out"  # a request that was sent and not answered
+STEP: Final = 0.05  # [s] between looks whether a stop came
 
 
 class Target(Protocol):
     """What is called."""
 
-    def call(self) -> CallResult:
-        """Call it; returns within the time of its settings."""
+    def call(self, is_stopped: Callable[[], bool] = never) -> CallResult:
+        """Call it; returns within the time of its settings.
+
+        Args:
+            is_stopped: Whether a stop came: then nothing is sent, and an action is cancelled.
+        """
         ...
 
 
@@ -58,10 +63,12 @@ class _Service:
         self._kind = service_class(config.type)
         self._request = _filled(self._kind._request_class, config.values)
 
-    def call(self) -> CallResult:
+    def call(self, is_stopped: Callable[[], bool] = never) -> CallResult:
         config, request = self._config, self._request
         words = [getattr(request, field) for field in request.__slots__]
-        reply = call_service(config.target, self._kind, *words, within=config.within)
+        reply = call_service(
+            config.target, self._kind, *words, within=config.within, is_void=is_stopped
+        )
         if (response := reply.response) is None:
             trouble = reply.trouble + (MAY_COME if reply.may_take_effect else "")
             return CallResult(config, False, trouble)
@@ -76,9 +83,10 @@ class _Topic:
         self._message = _filled(kind, config.values)
         self._topic = _publisher(config.target, kind)
 
-    def call(self) -> CallResult:
-        if not _wait(lambda: self._topic.get_num_connections() > 0, self._config.within):
-            return CallResult(self._config, False, f"nobody listens to {self._config.target}")
+    def call(self, is_stopped: Callable[[], bool] = never) -> CallResult:
+        if not _wait(self._topic, self._config.within, is_stopped):
+            nobody = f"nobody listens to {self._config.target}"
+            return CallResult(self._config, False, DROPPED if is_stopped() else nobody)
         self._topic.publish(self._message)
         return CallResult(self._config, True, "sent")
 
@@ -101,24 +109,25 @@ class _Action:
             queue_size=10,
         )
 
-    def call(self) -> CallResult:
+    def call(self, is_stopped: Callable[[], bool] = never) -> CallResult:
         end = time.monotonic() + self._config.within
-        if not _wait(lambda: self._topic.get_num_connections() > 0, self._config.within):
-            return CallResult(self._config, False, f"nobody serves {self._config.target}")
+        if not _wait(self._topic, self._config.within, is_stopped):
+            nobody = f"nobody serves {self._config.target}"
+            return CallResult(self._config, False, DROPPED if is_stopped() else nobody)
         goal_id = self._goal.goal_id = self._new_id()
         self._goal.header.stamp = goal_id.stamp
         self._topic.publish(self._goal)
-        while (left := end - time.monotonic()) > 0.0:
+        while (left := end - time.monotonic()) > 0.0 and not is_stopped():
             try:
-                result = self._results.get(timeout=left)
+                result = self._results.get(timeout=min(left, STEP))
             except Empty:
-                break
+                continue
             if result.status.goal_id.id == goal_id.id:
                 is_done = result.status.status == GoalStatus.SUCCEEDED
                 return CallResult(self._config, is_done, result.status.text)
         self._cancel.publish(goal_id)
-        words = f"no result within {self._config.within:g} s; cancelled"
-        return CallResult(self._config, False, words)
+        why = "a stop came" if is_stopped() else f"no result within {self._config.within:g} s"
+        return CallResult(self._config, False, f"{why}; cancelled")
 
 
 _KINDS: Mapping[str, Callable[[DeviceCallConfig], Target]] = {
@@ -136,10 +145,11 @@ def _publisher(target: str, kind: type) -> rospy.Publisher:
     return _publishers[target, kind]
 
 
-def _wait(is_there: Callable[[], bool], within: float) -> bool:
+def _wait(topic: rospy.Publisher, within: float, is_stopped: Callable[[], bool]) -> bool:
+    """Whether somebody listens to a topic in time, and no stop came."""
     end = time.monotonic() + within
-    while not is_there():
+    while topic.get_num_connections() == 0 and not is_stopped():
         if time.monotonic() > end:
             return False
         time.sleep(0.01)
-    return True
+    return not is_stopped()

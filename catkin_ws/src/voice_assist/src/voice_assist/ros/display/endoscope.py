@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 
 import numpy as np
 import rospy
@@ -16,8 +15,9 @@ from rst_control.kinematics.rotations import rotation_of
 from rst_control.tissue.sheet import rest_points, sheet_normal
 from rst_control.types import BASE
 from typed_config import ConfigError, load_config
+from typed_config.ros.xmlrpc import ANSWER_TIME, FAILURES, parameter
 from voice_assist.config.display import PictureConfig
-from voice_assist.display.picking import Camera, NotOnTissueError, Sheet, StampedHistory
+from voice_assist.display.picking import Array, Camera, NotOnTissueError, Sheet, StampedHistory
 from voice_assist.ros.believed import Believed
 
 SCENE = "controller/scene"  # parameter
@@ -73,23 +73,39 @@ def camera_of(info: CameraInfo, pose: PoseStamped) -> Camera:
         raise NotOnTissueError("the endoscope's picture is distorted: rectify it")
     p, q = pose.pose.position, pose.pose.orientation
     numbers = np.array([p.x, p.y, p.z, q.x, q.y, q.z, q.w, *info.K])
-    matrix = numbers[7:].reshape(3, 3)
-    length = float(np.linalg.norm(numbers[3:7]))
-    if not (np.isfinite(numbers).all() and abs(length - 1.0) < 1e-3 and matrix[0, 0] > 0.0):
-        raise NotOnTissueError("the endoscope's pose or optics are no usable numbers")
-    if abs(np.linalg.det(matrix)) < 1e-9 or not (info.width and info.height):
-        raise NotOnTissueError("the endoscope's optics are no usable numbers")
+    roi, size = info.roi, (int(info.width), int(info.height))
+    if trouble := _trouble(numbers, size):
+        raise NotOnTissueError(f"the endoscope's pose or optics are not usable: {trouble}")
     T = np.eye(4)
     T[:3, :3] = rotation_of(numbers[3:7])
     T[:3, 3] = numbers[:3]
-    roi, size = info.roi, (int(info.width), int(info.height))
     width, height = roi.width or size[0], roi.height or size[1]
     region = (roi.x_offset, roi.y_offset, roi.x_offset + width, roi.y_offset + height)
-    return Camera(matrix, T, size, region)
+    return Camera(numbers[7:].reshape(3, 3), T, size, region)
 
 
-def _sheet(read: Callable[..., object] = rospy.get_param) -> Sheet:
-    given = read(SCENE, None)
+def _trouble(numbers: Array, size: tuple[int, int]) -> str:
+    """Why place, quaternion and K of a camera, in this order, cannot be used; empty: they can."""
+    names = ("x", "y", "z", "qx", "qy", "qz", "qw", *(f"K[{i}]" for i in range(9)))
+    for name, number in zip(names, numbers, strict=True):
+        if not np.isfinite(number):
+            return f"{name} is {number:g}"
+    length, det = np.linalg.norm(numbers[3:7]), np.linalg.det(numbers[7:].reshape(3, 3))
+    if abs(length - 1.0) >= 1e-3:
+        return f"the quaternion is {length:.3g} long, allowed: 1"
+    if numbers[7] <= 0.0:
+        return f"K[0] is {numbers[7]:g}, allowed: above 0"
+    if abs(det) < 1e-9:
+        return f"the determinant of K is {det:g}, allowed: not 0"
+    return "" if all(size) else f"the picture has {size[0]} x {size[1]} pixels"
+
+
+def _sheet() -> Sheet:
+    try:
+        given = parameter(rospy.resolve_name(SCENE))
+    except FAILURES:
+        words = f"the ROS master does not say within {ANSWER_TIME:g} s where the tissue is"
+        raise NotOnTissueError(words) from None
     if given is None:
         raise NotOnTissueError("no controller was launched")
     try:

@@ -17,6 +17,7 @@ from rst_control.types import State
 from voice_assist.audio.source import level_db
 from voice_assist.config import CommandConfig
 from voice_assist.config.commands import AmountCommand
+from voice_assist.devices.calls import result_words
 from voice_assist.display.snapshot import AlarmPart, RobotPart, TissuePart, UtterancePart
 from voice_assist.display.words import WordRule
 from voice_assist.msg import Alarm, AudioChunk, DeviceCall, Utterance
@@ -35,10 +36,8 @@ def robot_parts(message: ControllerState) -> tuple[RobotPart, TissuePart]:
         phase=message.phase,
         command=message.command,
         progress=message.progress if math.isfinite(message.progress) else 0.0,
-        is_active=message.assistance_enabled,
         is_tissue_held=message.tissue_held,
         halt_reason=message.halt_reason,
-        last_refusal=message.last_refusal,
     )
     tissue = TissuePart(
         tension=_number(message.tension),
@@ -62,8 +61,7 @@ def asked_command(message: Utterance) -> str:
 
 def device_words(message: DeviceCall) -> str:
     """What came of a call to a device, such as "light on: done"."""
-    done = "done" if message.is_done else "FAILED"
-    return f"{message.phrase}: {done}{f', {message.message}' if message.message else ''}"
+    return result_words(message.phrase, message.is_done, message.message)
 
 
 def alarm_part(message: Alarm) -> AlarmPart:
@@ -86,12 +84,6 @@ def sound_level(message: AudioChunk) -> float:
 def picture_kind(data: bytes) -> str:
     """image/png or image/jpeg, by its first bytes; empty: it is neither."""
     return next((kind for start, kind in _BEGINNINGS.items() if data.startswith(start)), "")
-
-
-def is_bad(status: DiagnosticStatus) -> bool:
-    """Whether a part reports an error, or nothing any more."""
-    level = status.level[0] if isinstance(status.level, bytes) else int(status.level)
-    return level >= 2  # ERROR or STALE
 
 
 def values_of(status: DiagnosticStatus) -> Mapping[str, str]:

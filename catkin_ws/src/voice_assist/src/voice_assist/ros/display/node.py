@@ -32,6 +32,7 @@ from voice_assist.ros.display import messages
 from voice_assist.ros.display.acts import RosActs
 from voice_assist.ros.display.endoscope import Endoscope
 from voice_assist.ros.display.pictures import Pictures
+from voice_assist.ros.messages import is_bad
 
 NICE = 10  # the page gives way to all that hears and moves
 LOOK_AGAIN = 1.0  # [s] between looks at what no topic says: settings, and whether alarms are there
@@ -134,7 +135,7 @@ class DisplayNode:
         if "microphone level [dB]" in values:
             source = values.get("source", "")
             microphone = values.get("microphone", "") if source == "microphone" else source
-            trouble = status.message if messages.is_bad(status) else ""
+            trouble = status.message if is_bad(status) else ""
             self._theatre.see_voice_health(microphone, trouble)
         if "free space [B]" in values:
             self._theatre.see_free_space(int(values["free space [B]"]) or None)
@@ -180,7 +181,7 @@ async def serve(config: DisplayConfig) -> None:
             await stack.enter_async_context(server)
         except OSError as error:
             raise NotServedError(f"the page cannot be served: {error}") from error
-        pictures = Pictures(config.picture, theatre, lambda: len(server.viewers) > 0)
+        pictures = Pictures(config.picture, theatre, lambda: len(server.viewers) > 0, node.known)
         # printed, not logged: what is logged is recorded
         print(f"operator's page: {server.address}   token: {token.text}", flush=True)
         rospy.loginfo("operator's page: %s", server.address)

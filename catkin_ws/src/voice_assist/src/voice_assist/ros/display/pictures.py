@@ -13,11 +13,14 @@ from std_srvs.srv import Trigger
 
 from voice_assist.config.display import PictureConfig
 from voice_assist.display.theatre import Theatre
+from voice_assist.ros.believed import Believed
 from voice_assist.ros.display.messages import picture_kind
+from voice_assist.ros.service_calls import call_service
 
 LARGEST = 8_000_000  # [B] of a picture
 BUFFER = 16_000_000  # [B] of the connection: the newest picture is read whole
 SMOOTHING = 0.2  # of the time between two pictures
+WITHIN = 10.0  # [s] for the service to answer; a busy host paints slowly
 
 
 class Pictures:
@@ -27,18 +30,24 @@ class Pictures:
         config: Topic, service and how often.
         theatre: Gets the pictures.
         is_watched: Whether anybody looks.
+        known: Makes the subscriber, to those that are believed.
     """
 
     def __init__(
-        self, config: PictureConfig, theatre: Theatre, is_watched: Callable[[], bool]
+        self,
+        config: PictureConfig,
+        theatre: Theatre,
+        is_watched: Callable[[], bool],
+        known: Believed,
     ) -> None:
         self._config, self._theatre, self._is_watched = config, theatre, is_watched
         self._period = config.period
         self._last = float("-inf")
         self._troubles: dict[str, str] = {}  # that were told, by what they are of
         theatre.see_picture_period(config.period)
-        self._topic = rospy.Subscriber(
-            config.topic, CompressedImage, self._on_picture, queue_size=1, buff_size=BUFFER
+        options = {"queue_size": 1, "buff_size": BUFFER}
+        self._topic = known.hear(
+            "camera", config.topic, CompressedImage, self._on_picture, **options
         )
         if config.request:
             threading.Thread(target=self._ask, name="pictures", daemon=True).start()
@@ -60,15 +69,14 @@ class Pictures:
 
     def _ask(self) -> None:
         """Ask again and again; a picture that takes long is asked for less often."""
-        service = rospy.ServiceProxy(self._config.request, Trigger)
         while not rospy.is_shutdown():
             began = time.monotonic()
             if self._is_watched():
-                try:
-                    answer = service()
+                reply = call_service(self._config.request, Trigger, within=WITHIN)
+                if (answer := reply.response) is not None:
                     self._complain("request", "" if answer.success else answer.message)
-                except rospy.ServiceException:
-                    pass  # nobody offers pictures; the page says that there is none
+                elif reply.may_take_effect:  # else nobody offers any; the page says so
+                    self._complain("request", reply.trouble)
             took = time.monotonic() - began
             rest = max(self._config.period - took, took / self._config.share - took)
             rospy.rostime.wallsleep(rest)

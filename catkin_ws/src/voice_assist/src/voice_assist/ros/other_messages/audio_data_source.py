@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from contextlib import suppress
 from queue import Empty, Full, Queue
@@ -37,6 +38,7 @@ class AudioDataSource:
         self._config, self._report, self._subscribe = config, report, subscribe
         self._queue: Queue[tuple[bytes, float] | AudioInfo] = Queue(_QUEUE)
         self._subscribers: list[rospy.Subscriber] = []
+        self._silent_at = float("inf")  # [s] steady clock, from which without sound it is silent
 
     def __enter__(self) -> AudioDataSource:
         """Subscribe."""
@@ -62,6 +64,7 @@ class AudioDataSource:
         """Frames as they come; sound that is missing is kept as a gap."""
         stream = UnstampedStream(self._config)
         framer, resample = Framer(), Resampler(self._config.rate)
+        self._wait_anew()
         while not rospy.is_shutdown():
             block = self._next(stream)
             if block is None:
@@ -72,14 +75,16 @@ class AudioDataSource:
 
     def _next(self, stream: UnstampedStream) -> SoundBlock | None:
         try:
-            item = self._queue.get(timeout=self._config.lost_after)
+            item = self._queue.get(timeout=max(self._silent_at - time.monotonic(), 0.0))
         except Empty:
+            self._wait_anew()
             stream.forget()
             self._report(self._silence())
             return None
         if isinstance(item, AudioInfo):
             stream.inform(item.channels, item.sample_rate, item.sample_format, item.coding_format)
             return None
+        self._wait_anew()
         block = stream.take(*item)
         if isinstance(block, str):
             if block:
@@ -87,6 +92,9 @@ class AudioDataSource:
             return None
         self._report("")
         return block
+
+    def _wait_anew(self) -> None:
+        self._silent_at = time.monotonic() + self._config.lost_after
 
     def _silence(self) -> str:
         name = rospy.resolve_name(self._config.name)

@@ -85,7 +85,8 @@ class CommandClient:
         if answered is None and was_connected and request.may_repeat:
             answered = self._once(request)  # the controller may have been started anew
         self.trouble = "" if answered else f"{_MISSING}: no answer from {SERVICE}"
-        return answered or Answered(request.command, False, f"{_MISSING} or does not answer")
+        words = f"{_MISSING} or does not answer within {self._within:g} s"
+        return answered or Answered(request.command, False, words)
 
     def _once(self, request: _Request) -> Answered | None:
         """One attempt; None: no connection, or no answer in time, and nothing comes later."""

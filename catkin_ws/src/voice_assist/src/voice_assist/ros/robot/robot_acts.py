@@ -24,7 +24,10 @@ from voice_assist.types import Action, Ask, Call, Frame, Halt, Mode, SetMode
 
 
 class RobotActs:
-    """Carries out actions and takes reports; all but `stop` and `hold` in recognition's thread.
+    """Carries out actions and takes reports, in recognition's thread.
+
+    `stop` and `hold` are called in any thread. `start` is in the main one, `with_motion` in that of
+    the sound, `trouble` in that of the heartbeat.
 
     Args:
         config: All settings of the voice.
@@ -47,7 +50,9 @@ class RobotActs:
         self._answers: Queue[Answered] = Queue()
         self._client = CommandClient(config.commands.answer_within, self._answers.put)
         self._questions = QuestionService()
-        self._robot_speech, self._talk = RobotSpeechTopic(clock, known), TalkTopic(clock, known)
+        longest = config.audio.robot_speech.max_duration
+        self._robot_speech = RobotSpeechTopic(clock, known, longest)
+        self._talk = TalkTopic(clock, known)
         self._robot = ControllerFollower(config.moving, time.monotonic, publish.side_input, known)
         self._repeatable = {c.command for c in config.commands.commands if not c.is_motion}
         self.stopped = float("-inf")  # [s] when the newest stop was sent
@@ -87,7 +92,8 @@ class RobotActs:
             self._robot.send(is_motion=not is_repeatable)
             self._client.call(action.command, is_repeatable)
         elif isinstance(action, Ask):
-            self._publish.reply(spoken_reply(f"{action.command}?", self._commands.phrases))
+            if not self._commands.said_twice:  # to say it aloud would be to say it again
+                self._publish.reply(spoken_reply(f"{action.command}?", self._commands.phrases))
         elif isinstance(action, SetMode):
             self._robot.arm(action.mode is Mode.ACTIVE)
             self._publish.mode(action.mode, action.reason, self._clock())
