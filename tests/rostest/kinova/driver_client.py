@@ -80,24 +80,19 @@ class DriverClient:
         entries = [JointSpeed(joint, speed, 0) for joint, speed in speeds.items()]
         self._speeds.publish(Base_JointSpeeds(entries, 0))
 
-    def send(self, points, names=NAMES, velocities=None):
+    def send(self, points, names=NAMES):
         """Send a goal.
 
         Args:
             points: Positions [rad] and time [s] of each.
             names: Of the joints.
-            velocities: Of every point [rad/s]; None: none are given.
 
         Returns:
             Its handle, and when it was sent [s].
         """
         goal = FollowJointTrajectoryGoal(trajectory=JointTrajectory(joint_names=list(names)))
         goal.trajectory.points = [
-            JointTrajectoryPoint(
-                positions=list(q),
-                velocities=list(velocities or []),
-                time_from_start=rospy.Duration(t),
-            )
+            JointTrajectoryPoint(positions=list(q), time_from_start=rospy.Duration(t))
             for q, t in points
         ]
         handle = self.action.send_goal(goal)
