@@ -207,3 +207,12 @@ def test_warming_up_plans_once_and_changes_nothing(planner, home):
     first = planner.reach(home)[0]
     planner.warm_up()
     np.testing.assert_array_equal(first.knots, planner.reach(home)[0].knots)
+
+
+@pytest.mark.parametrize(
+    ("allowed", "words"), [(1e-3, "1000.00"), (1e-6, "1.00"), (1e-10, "0.000100")]
+)
+def test_what_the_shaft_may_stray_is_named_whatever_its_size(allowed, words):
+    assert str(TrocarDrift(2e-3, allowed)).endswith(
+        f"2000.00 um off the trocar, allowed {words} um"
+    )

@@ -43,8 +43,9 @@ class TrocarDrift(Infeasible):
     """The shaft would leave, or has left, the trocar by more than allowed."""
 
     def __init__(self, distance: float, allowed: float) -> None:
+        digits = 2 if allowed >= 1e-8 else 6  # the solver's own tolerance is far below others
         super().__init__(
-            f"shaft {distance * 1e6:.2f} um off the trocar, allowed {allowed * 1e6:.3g} um"
+            f"shaft {distance * 1e6:.2f} um off the trocar, allowed {allowed * 1e6:.{digits}f} um"
         )
         self.distance, self.allowed = distance, allowed
 
