@@ -259,9 +259,9 @@ _PAPER = Area(
     "The experiment of the paper in the whole running system. Times count from the last audible "
     "sound. Ours are synthetic voices on the processor; the paper's are people, on an RTX A6000. "
     "Training had the accents of the non-native voices, in other variants of espeak-ng's voices. "
-    "Accents that it never had are in `voice.trials` and `voice.foreign`. The 30 repetitions ran "
-    "on a slower machine than the 8. The embedded model took 34 ms for 2 s of sound there, and "
-    "`voice.sizes` has 27. Recognition fell behind, so times are longer and more was missed.",
+    "Accents that it never had are in `voice.trials` and `voice.foreign`. In the 30 repetitions "
+    "the networks computed in float32, on a slow machine. Recognition fell behind, so times are "
+    "longer and more was missed. The 8 are newer: of networks that compute in bfloat16.",
     (
         Part(
             "paper",

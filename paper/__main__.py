@@ -50,6 +50,7 @@ VOICE, PEDAL = "voice", "pedal"  # inputs
 INTERRUPTED = 130  # exit status of a session that Ctrl-C ended
 END_TIME = 2.5 * STOP_TIME  # [s] for a session to end its launches one after the other
 RESULT = "paper.json"
+SHORT, SHORT_RESULT = 8, "paper_8_repetitions.json"  # a run that is kept beside the full one
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -79,8 +80,9 @@ def main(words: Sequence[str] | None = None) -> int:
     if PEDAL in options.input and status != INTERRUPTED:
         status = _press_all(config, repetitions, out, console) or status
     finished = [v for v in voices if is_finished(out / v.name, settings_of(config, v, repetitions))]
-    is_full = repetitions >= config.repetitions and len(finished) >= int(VOICES)
-    _conclude(voices, out, is_full and status == 0, console)
+    is_whole = status == 0 and len(finished) >= int(VOICES)
+    result = {config.repetitions: RESULT, SHORT: SHORT_RESULT}.get(repetitions, "")
+    _conclude(voices, out, result if is_whole else "", console)
     return status
 
 
@@ -193,10 +195,17 @@ def _play(
 def _conclude(
     voices: Sequence[PaperVoiceConfig],
     out: Path,
-    is_full: bool,
+    result: str,
     console: Console,
 ) -> None:
-    """Show and write what there is."""
+    """Show and write what there is; under the name of a result among those of the repository, too.
+
+    Args:
+        voices: Chosen.
+        out: Folder of all sessions.
+        result: Its file in bench/results; empty: none.
+        console: To show it on.
+    """
     found = [VoiceResult(v, tuple(_outcomes(out / v.name))) for v in voices]
     heard = [result for result in found if result.repetitions]
     pressed = kept(out / PEDAL)
@@ -214,7 +223,7 @@ def _conclude(
     if {code_of(folder) for folder in played} != {code["code"]}:
         code["code"] = SEVERAL
     facts = {**code, "voices": [asdict(result.voice) for result in heard]}
-    for path in [out / RESULT, *([RESULTS / RESULT] if is_full else [])]:
+    for path in [out / RESULT, *([RESULTS / result] if result else [])]:
         write(path, listed, machine(), **facts)
         console.print(f"Figures: {path}")
     _report(out, console)

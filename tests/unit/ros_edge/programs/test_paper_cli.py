@@ -44,23 +44,32 @@ def play(folder, command="stop"):
 
 
 @pytest.mark.parametrize(
-    ("finished", "input_", "is_full"),
-    [(4, "voice", True), (3, "voice", False), (0, "pedal", False), (4, "pedal", True)],
+    ("finished", "input_", "repetitions", "result"),
+    [
+        (4, "voice", 30, "paper.json"),
+        (4, "voice", 8, "paper_8_repetitions.json"),
+        (4, "voice", 5, ""),
+        (3, "voice", 30, ""),
+        (3, "voice", 8, ""),
+        (0, "pedal", 30, ""),
+        (4, "pedal", 30, "paper.json"),
+    ],
 )
-def test_a_full_result_has_every_voice_with_all_repetitions(
-    tmp_path, monkeypatch, finished, input_, is_full
+def test_a_result_that_is_kept_has_every_voice_with_all_repetitions(
+    tmp_path, monkeypatch, finished, input_, repetitions, result
 ):
     config, concluded = load_experiment(), []
     voices = config.voices[:4]
     for voice in voices[:finished]:
         play(tmp_path / voice.name)
-        finish(tmp_path / voice.name, settings_of(config, voice, config.repetitions))
+        finish(tmp_path / voice.name, settings_of(config, voice, repetitions))
     for name in ("_play_all", "_press_all"):
         monkeypatch.setattr(paper, name, lambda *_: 0)
     monkeypatch.setattr(paper, "chosen_voices", lambda *_: voices)
     monkeypatch.setattr(paper, "_conclude", lambda *given: concluded.append(given[2]))
-    assert paper.main(["--input", input_, "--out", str(tmp_path)]) == 0
-    assert concluded == [is_full]
+    words = ["--input", input_, "--repetitions", str(repetitions), "--out", str(tmp_path)]
+    assert paper.main(words) == 0
+    assert concluded == [result]
 
 
 @pytest.mark.parametrize(
