@@ -34,9 +34,9 @@ decides a figure was changed after it was measured, the table says so. Older res
 fields: "-".
 
 What is of 28 November 2026 was measured on a machine a quarter slower than what is older. There
-hearing took nine tenths of a core while the robot moved, so a "stop" was late. Newer, of networks
-that compute in bfloat16: `safety.spoken`, `system.cost`, `voice.answers`, `voice.overlap_network`,
-and the paper's 8 repetitions.
+hearing took nine tenths of a core while the robot moved, so a "stop" was late. Some are newer,
+of networks that compute in bfloat16. They are `safety.spoken`, `system.cost`, `voice.answers`,
+`voice.overlap_network` and the paper's 8 repetitions.
 """
 SAME, ALIKE = "the same decisions", "the same motions"
 WHO = {HUMAN: HUMAN, SYNTHETIC: SYNTHETIC, "people:": HUMAN}  # by words in a figure's name

@@ -223,6 +223,12 @@ def keys(rooms: Sequence[str], decisions: str) -> dict[str, str]:
     return {**code, "decisions": decisions, "beside_hearing": beside_hearing(rooms)}
 
 
+def noted(path: Path) -> dict[str, str]:
+    """Digests of what was found of versions of the code; none where nothing is noted."""
+    found: dict[str, str] = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    return found
+
+
 def decided_now(which: str) -> str:
     """Key of what the present code decides on fixed clips.
 
@@ -232,8 +238,8 @@ def decided_now(which: str) -> str:
     Returns:
         Empty where it is not noted.
     """
-    noted = json.loads(DECISIONS.read_text(encoding="utf-8")) if DECISIONS.is_file() else {}
-    return str(noted.get(which, "")) if noted.get("code") == identity(HEARING) else ""
+    known = noted(DECISIONS)
+    return known.get(which, "") if known.get("code") == identity(HEARING) else ""
 
 
 def moves_alike(code: str, now: str) -> bool:
@@ -243,8 +249,8 @@ def moves_alike(code: str, now: str) -> bool:
         code: Digest of the older one.
         now: Of the present one.
     """
-    noted = json.loads(FIXED_SESSIONS.read_text("utf-8")) if FIXED_SESSIONS.is_file() else {}
-    return code in noted and noted[code] == noted.get(now)
+    known = noted(FIXED_SESSIONS)
+    return code in known and known[code] == known.get(now)
 
 
 def show(figures: Sequence[Figure], console: Console) -> None:

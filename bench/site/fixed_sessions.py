@@ -16,7 +16,7 @@ from typing import Any, Final
 from bench.common.resumable import digest
 from bench.site.plant import ALL_PLANTS, REFUSED, make_rig
 from bench.site.plant_session import Session
-from support.figures import FIXED_SESSIONS
+from support.figures import FIXED_SESSIONS, noted
 from support.product_code import CONTROLLER, KINOVA, PLANT, SIMULATION, identity
 
 SECONDS: Final = 12.0  # simulated, of each
@@ -36,9 +36,8 @@ def moved() -> str:
 
 def note(found: str) -> None:
     """Note what the present code does, beside what older code did."""
-    noted = json.loads(FIXED_SESSIONS.read_text("utf-8")) if FIXED_SESSIONS.is_file() else {}
     present = {identity(rooms): found for rooms in (CONTROLLER, SIMULATION, KINOVA, PLANT)}
-    text = json.dumps(noted | present, indent=1) + "\n"
+    text = json.dumps(noted(FIXED_SESSIONS) | present, indent=1) + "\n"
     FIXED_SESSIONS.write_text(text, encoding="utf-8")
 
 
