@@ -63,13 +63,18 @@ LANGUAGES = (
 )
 ANSWERS = (*HEARING, *_rooms("voice_assist", "answers", "alarms.yaml"))
 ENROLMENT = (*HEARING, *_rooms("voice_assist", "enrolment", "enrolment.yaml"))
+RECORDER = _rooms(  # what runs beside a robot; files are read later
+    "session_log",
+    *("mcap_file/durable_stream.py", "mcap_file/encoding.py", "mcap_file/headers.py"),
+    *("mcap_file/session_folder.py", "mcap_file/writer.py", "recording", "recorder.yaml"),
+)
 RECORDING = _rooms("session_log", "mcap_file", "recording", "recorder.yaml")
 REPORT = (*RECORDING, *_rooms("session_log", "report", "report.yaml"))
 VOICE_NODE = _rooms("voice_assist", "ros")
 DISPLAY = _rooms("voice_assist", "display", "display.yaml")
 ROBOT_NODES = (*SIMULATION, *_rooms("rst_control", "host", "ros"))
 SYSTEM = (
-    *(*ROBOT_NODES, *HEARING, *VOICE_NODE, *RECORDING, *DISPLAY, *_rooms("session_log", "ros")),
+    *(*ROBOT_NODES, *HEARING, *VOICE_NODE, *RECORDER, *DISPLAY, *_rooms("session_log", "ros")),
     *_rooms("voice_assist", "alarms", "answers", "pedal", "alarms.yaml", "pedal.yaml"),
 )
 SET_UP = tuple(

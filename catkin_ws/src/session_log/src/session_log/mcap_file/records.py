@@ -90,6 +90,8 @@ class RecordWalker:
             return None
         if not self._accepts(self._opcode, length, head[HEAD.size :]):
             return None
+        if self._opcode == FOOTER and not self._is_end(position + HEAD.size + length):
+            return None  # one wrong bit makes it of a chunk, and would hide what follows
         self._known = position, self._opcode, length
         return length
 
@@ -105,7 +107,7 @@ class RecordWalker:
 
     def _leads_on(self, end: int) -> bool:
         """Whether a sound record, or the end of the file, follows a record that ends there."""
-        return end == self._size or self._length(end) is not None or self._is_ending(end)
+        return self._length(end) is not None or self._is_end(end)
 
     def _candidates(self, start: int) -> Iterator[int]:
         while start < self._size:
@@ -116,9 +118,10 @@ class RecordWalker:
                     yield start + match.start()
             start += WINDOW
 
-    def _is_ending(self, position: int) -> bool:
+    def _is_end(self, position: int) -> bool:
+        """Whether the file ends there, or its last bytes begin, which may be cut off."""
         self._file.seek(position)
-        return self._file.read(len(MAGIC)) == MAGIC
+        return MAGIC.startswith(self._file.read(len(MAGIC)))
 
 
 def _damage(position: int, found: int, size: int) -> Damage:
