@@ -1,17 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import os
 import subprocess
+from unittest.mock import Mock
 
 import pytest
 
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer
-from voice_assist.assembly import (
-    KERNEL_CACHE,
-    MAX_KERNELS,
-    limit_torch,
-    make_pipeline,
-    make_source,
-)
+from voice_assist.assembly import KERNEL_CACHE, MAX_KERNELS, limit_torch, make_pipeline, make_source
 from voice_assist.audio.capture import pulse
 from voice_assist.audio.wav_file import WavFile
 from voice_assist.config import load_voice_config
@@ -36,13 +31,10 @@ def test_code_that_is_kept_for_lengths_of_sound_is_bounded(monkeypatch, before, 
     assert os.environ[KERNEL_CACHE] == after
 
 
-def test_the_source_is_the_one_of_the_settings():
+def test_the_source_is_the_one_of_the_settings_and_a_topic_is_left_to_the_node():
     config = load_voice_config(audio__source="wav", audio__wav__path="x.wav").audio
     source = make_source(config, lambda: 0.0, lambda _: False, lambda _: None)
     assert isinstance(source, WavFile)
-
-
-def test_a_topic_is_left_to_the_node():
     config = load_voice_config(audio__source="topic").audio
     with pytest.raises(AudioError, match="only in the node"):
         make_source(config, lambda: 0.0, lambda _: False, lambda _: None)
@@ -66,12 +58,8 @@ def test_sources_of_pulseaudio_are_read_from_its_list(monkeypatch):
 
 
 def test_without_pactl_or_an_answer_there_are_no_sources(monkeypatch):
-    monkeypatch.setattr(pulse.shutil, "which", lambda _: None)
-    assert pulse.pulse_sources() == ()
-
-    def run(*_, **__):
-        raise subprocess.TimeoutExpired("pactl", 1.0)
-
-    monkeypatch.setattr(pulse.shutil, "which", lambda _: "pactl")
-    monkeypatch.setattr(pulse.subprocess, "run", run)
-    assert pulse.pulse_sources() == ()
+    silent = Mock(side_effect=subprocess.TimeoutExpired("pactl", 1.0))
+    monkeypatch.setattr(pulse.subprocess, "run", silent)
+    for program in (None, "pactl"):
+        monkeypatch.setattr(pulse.shutil, "which", lambda _, found=program: found)
+        assert pulse.pulse_sources() == ()

@@ -31,16 +31,11 @@ def test_a_stop_repeats_more_slowly_and_ends_with_its_cause():
     assert scene.sounds() == [Earcon.STOP] * 3
 
 
-def test_stop_said_again_is_heard_again():
-    scene = Scene().be(state="halted", halt_reason=STOPPED).run(3.0)
-    scene.event("stop_received", "stop", STOPPED, "stop_topic").run(1.0)
-    assert scene.sounds() == [Earcon.STOP] * 2
-
-
-def test_the_entry_of_the_same_stop_is_not_heard_twice_at_once():
-    scene = Scene().be(state="stopping", halt_reason=STOPPED)
-    scene.event("stop_received", "stop", STOPPED, "stop_topic").run(0.5)
-    assert scene.sounds() == [Earcon.STOP]
+@pytest.mark.parametrize(("state", "before", "times"), [("halted", 3.0, 2), ("stopping", 0.0, 1)])
+def test_stop_said_again_is_heard_again_but_the_entry_of_the_same_stop_is_not(state, before, times):
+    scene = Scene().be(state=state, halt_reason=STOPPED).run(before)
+    scene.event("stop_received", "stop", STOPPED, "stop_topic").run(0.5 * times)
+    assert scene.sounds() == [Earcon.STOP] * times
 
 
 def test_a_higher_priority_interrupts_a_lower_one():

@@ -5,14 +5,13 @@ import shutil
 
 import numpy as np
 import pytest
-import torch
 
 from tests.unit.voice_assist.recognizer.test_recognizer import say
 from tests.unit.voice_assist.support.fake_pipeline import StreamClock, commands, run
 from tests.unit.voice_assist.support.fake_speech import frames, silence
 from voice_assist.alarms.earcons import samples_of
 from voice_assist.alarms.types import Earcon
-from voice_assist.assembly import make_pipeline, make_recognizer, make_spotter
+from voice_assist.assembly import make_pipeline, make_spotter
 from voice_assist.config import load_voice_config
 from voice_assist.types import RATE, Mode
 
@@ -23,12 +22,10 @@ CONFIG = load_voice_config()
 
 
 @pytest.fixture(scope="module")
-def hear():
+def hear(base):
     """The pipeline as shipped, active so that all commands count; gives the commands it takes."""
-    threads = torch.get_num_threads()
-    recognizer, (spotter, _) = make_recognizer(CONFIG), make_spotter(CONFIG.spotter)
-    clock = StreamClock()
-    pipeline = make_pipeline(CONFIG, clock, recognizer, spotter)
+    clock, (spotter, _) = StreamClock(), make_spotter(CONFIG.spotter)
+    pipeline = make_pipeline(CONFIG, clock, base, spotter)
 
     def heard(sound):
         pipeline.reset()
@@ -36,8 +33,7 @@ def hear():
         whole = np.concatenate([silence(0.5), sound, silence(1.0)])
         return commands(run(pipeline, clock, frames(whole.astype(np.float32))))
 
-    yield heard
-    torch.set_num_threads(threads)
+    return heard
 
 
 @pytest.mark.parametrize("level_db", [-6.0, -26.0, -40.0])

@@ -23,10 +23,6 @@ def push(rig):
     rig.robot.push(np.full(10, 0.06))
 
 
-def fault(rig):
-    rig.robot.fault = "brakes on"
-
-
 def stiffen(rig):
     rig.until(lambda: rig.view.tension > 0.9)
     rig.believing()  # a tension that leaps is a sensor's fault to the watch over the sensors
@@ -34,25 +30,8 @@ def stiffen(rig):
     rig.robot.tissue.stiffness *= 1.02 * limit / rig.view.tension
 
 
-def stop(rig):
-    rig.executor.stop(Cause(Reason.STOP_TOPIC, "stopped by voice"))
-
-
-def stop_by_word(rig):
-    rig.say("stop")
-
-
-def cancel(rig):
-    rig.executor.stop(Cause(Reason.STOP_CANCEL, 'stop by cancelling the action "tense"'))
-
-
-def unrecorded(rig):
-    words = "not recorded: recorder silent for 1.2 s, allowed 1.0 s"
-    rig.executor.stop(Cause(Reason.NOT_RECORDED, words))
-
-
-def shut_down(rig):
-    rig.executor.stop(Cause(Reason.SHUTDOWN, "the controller is being shut down"))
+def stop(reason, words="stopped by voice"):
+    return lambda rig: rig.executor.stop(Cause(reason, words))
 
 
 def error(rig):
@@ -64,22 +43,19 @@ def two_errors(rig):
     rig.executor.crashed(ArithmeticError("still not a number"))
 
 
+UNRECORDED = "not recorded: recorder silent for 1.2 s, allowed 1.0 s"
 IN_MOTION = {  # faults of the robot: test_watchdogs.py
-    push: Reason.SENSOR_FAULT,
-    stiffen: Reason.OVER_TENSION,
-    stop: Reason.STOP_TOPIC,
-    stop_by_word: Reason.STOP_COMMAND,
-    cancel: Reason.STOP_CANCEL,
-    unrecorded: Reason.NOT_RECORDED,
-    shut_down: Reason.SHUTDOWN,
-    two_errors: Reason.LOOP_ERROR,
+    Reason.SENSOR_FAULT: push,
+    Reason.OVER_TENSION: stiffen,
+    Reason.STOP_TOPIC: stop(Reason.STOP_TOPIC),
+    Reason.STOP_COMMAND: lambda rig: rig.say("stop"),
+    Reason.STOP_CANCEL: stop(Reason.STOP_CANCEL, 'stop by cancelling the action "tense"'),
+    Reason.NOT_RECORDED: stop(Reason.NOT_RECORDED, UNRECORDED),
+    Reason.SHUTDOWN: stop(Reason.SHUTDOWN, "the controller is being shut down"),
+    Reason.LOOP_ERROR: two_errors,
 }
-AT_REST = {
-    push: Reason.SENSOR_FAULT,
-    stop: Reason.STOP_TOPIC,
-    shut_down: Reason.SHUTDOWN,
-    error: Reason.LOOP_ERROR,
-}
+LATCHES = (Reason.SENSOR_FAULT, Reason.STOP_TOPIC, Reason.SHUTDOWN)
+AT_REST = {reason: IN_MOTION[reason] for reason in LATCHES} | {Reason.LOOP_ERROR: error}
 
 
 def latched(rig):
@@ -95,30 +71,30 @@ def causes(messages):
     return {m.reason for m in messages if m.kind == "halted"}
 
 
-@pytest.mark.parametrize("happening", IN_MOTION, ids=lambda h: h.__name__)
-def test_what_stops_a_motion_is_in_the_event_log_and_in_the_state_with_its_cause(happening):
+@pytest.mark.parametrize("reason", IN_MOTION)
+def test_what_stops_a_motion_is_in_the_event_log_and_in_the_state_with_its_cause(reason):
     rig = Rig().moving("pull")
-    happening(rig)
+    IN_MOTION[reason](rig)
     rig.until(lambda: latched(rig), limit=2.0)
     rig.tick()
-    assert causes(events(rig)) == {IN_MOTION[happening]}
+    assert causes(events(rig)) == {reason}
     assert rig.view.mode.is_latched
-    assert rig.view.mode.cause.reason is IN_MOTION[happening]
+    assert rig.view.mode.cause.reason is reason
 
 
-@pytest.mark.parametrize("happening", AT_REST, ids=lambda h: h.__name__)
-def test_what_latches_a_robot_at_rest_is_in_the_event_log_with_its_cause(happening):
+@pytest.mark.parametrize("reason", AT_REST)
+def test_what_latches_a_robot_at_rest_is_in_the_event_log_with_its_cause(reason):
     rig = Rig().awake()
-    happening(rig)
+    AT_REST[reason](rig)
     rig.until(lambda: latched(rig), limit=2.0)
-    assert causes(events(rig)) == {AT_REST[happening]}
+    assert causes(events(rig)) == {reason}
 
 
 def test_a_fault_that_follows_a_stop_at_rest_is_in_the_event_log_too():
     rig = Rig().awake()
-    stop(rig)
+    AT_REST[Reason.STOP_TOPIC](rig)
     rig.until(lambda: latched(rig))
-    fault(rig)
+    rig.robot.fault = "brakes on"
     rig.until(lambda: rig.state is State.FAULTED, limit=1.0)
     assert causes(events(rig)) == {Reason.STOP_TOPIC, Reason.FAULTED}
 

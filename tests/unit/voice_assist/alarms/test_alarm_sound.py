@@ -78,12 +78,6 @@ def player(device, reported):
         device.go_on()
 
 
-def test_what_is_offered_is_played(player, device):
-    player.offer(STOP)
-    device.wait_for(1)
-    assert device.began == [Earcon.STOP]
-
-
 def test_a_higher_priority_cuts_off_a_lower_one(player, device):
     player.offer(STOP)
     device.wait_for(1)
@@ -190,9 +184,8 @@ def test_a_sound_is_cut_where_it_is_asked_for():
 
 def test_what_the_program_complains_of_is_passed_on():
     code = "import sys; sys.exit('Connection failure: Connection refused')"
-    with output(code, stuck_after=20.0) as out, pytest.raises(AudioError) as error:
+    with output(code, stuck_after=20.0) as out, pytest.raises(AudioError, match="n refused"):
         out.play(Earcon.STOP, never)
-    assert "Connection refused" in str(error.value)
 
 
 def test_a_missing_program_is_named_with_its_package(monkeypatch):
@@ -235,23 +228,6 @@ def test_the_command_writes_sounds(tmp_path, capsys):
     main(["alarms", "--write-wav", str(tmp_path / "new" / "folder")])
     assert len(list((tmp_path / "new" / "folder").glob("*.wav"))) == len(Earcon)
     assert "fault-high.wav" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize(
-    ("arguments", "problem"),
-    [
-        (["alarms", "--play", "gong"], "invalid choice"),
-        (["alarms", "--write-wav", "/dev/null/x"], "/dev/null/x: cannot be written (Not a dir"),
-        (["alarms", "--write-wav", "/dev/null"], "/dev/null: cannot be written, it is a file"),
-        (["alarms", "--markdown", "--write-wav", "x"], "leave out --play and --write-wav"),
-        (["alarms", "--markdown", "--play"], "leave out --play and --write-wav"),
-        (["--config", "nowhere", "alarms"], "alarms.yaml"),
-    ],
-)
-def test_wrong_arguments_end_with_2_and_say_why(arguments, problem, capsys):
-    with pytest.raises(SystemExit) as ended:
-        main(arguments)
-    assert ended.value.code == 2 and problem in capsys.readouterr().err
 
 
 def test_without_a_way_out_the_command_says_so(monkeypatch, capsys):

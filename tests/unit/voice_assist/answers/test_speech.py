@@ -2,6 +2,7 @@
 """Answers as sound: short, announced, cut by a stop; what is missing is named and harms nothing."""
 
 import threading
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -56,8 +57,12 @@ def loudspeaker():
     return Loudspeaker()
 
 
-def tone(seconds):
-    return lambda text: np.sin(np.arange(round(seconds * RATE)) * 0.2).astype(np.float32)
+@pytest.fixture
+def toned(loudspeaker, monkeypatch):
+    """A loudspeaker whose voice is a tone of half a second."""
+    tone = np.sin(np.arange(RATE // 2) * 0.2).astype(np.float32)
+    monkeypatch.setattr(speech, "choose_voice", lambda *_: lambda text: tone)
+    return loudspeaker
 
 
 @needs_espeak
@@ -82,20 +87,18 @@ def test_what_takes_too_long_or_holds_a_command_is_named_and_not_said(loudspeake
     assert loudspeaker.log == ["silence"]
 
 
-def test_a_sentence_is_announced_before_it_sounds_and_its_end_too(loudspeaker, monkeypatch):
-    monkeypatch.setattr(speech, "choose_voice", lambda *_: tone(0.5))
-    with loudspeaker.answers() as answers:
+def test_a_sentence_is_announced_before_it_sounds_and_its_end_too(toned):
+    with toned.answers() as answers:
         answers.prepare(["ready"])
         answers.say("ready", lambda: False)
         assert answers.duration("ready") == 0.5
-    assert loudspeaker.log == ["silence", True, "ready", False]
+    assert toned.log == ["silence", True, "ready", False]
 
 
-def test_its_end_is_announced_where_the_loudspeaker_fails(loudspeaker, monkeypatch):
-    monkeypatch.setattr(speech, "choose_voice", lambda *_: tone(0.5))
-    with loudspeaker.answers() as answers:
+def test_its_end_is_announced_where_the_loudspeaker_fails(toned):
+    with toned.answers() as answers:
         answers.prepare(["ready"])
-        loudspeaker.play_file = None
+        toned.play_file = None
 
         def fail(path, duration, is_cut):
             raise AudioError("unplugged")
@@ -103,15 +106,14 @@ def test_its_end_is_announced_where_the_loudspeaker_fails(loudspeaker, monkeypat
         answers._play = fail
         with pytest.raises(AudioError, match="unplugged"):
             answers.say("ready", lambda: False)
-    assert loudspeaker.log == ["silence", True, False]
+    assert toned.log == ["silence", True, False]
 
 
 @pytest.mark.parametrize("volume_db", [-6.0, -20.0])
-def test_the_volume_is_that_of_the_peak(loudspeaker, monkeypatch, volume_db):
-    monkeypatch.setattr(speech, "choose_voice", lambda *_: tone(0.5))
+def test_the_volume_is_that_of_the_peak(toned, volume_db):
     peaks = []
-    loudspeaker.play_file = lambda path, *_: peaks.append(abs(soundfile.read(path)[0]).max())
-    with loudspeaker.answers(volume_db=volume_db) as answers:
+    toned.play_file = lambda path, *_: peaks.append(abs(soundfile.read(path)[0]).max())
+    with toned.answers(volume_db=volume_db) as answers:
         answers.prepare(["ready"])
         answers.say("ready", lambda: False)
     assert peaks == pytest.approx([0.0, 10 ** (volume_db / 20)], abs=1e-3)
@@ -120,52 +122,51 @@ def test_the_volume_is_that_of_the_peak(loudspeaker, monkeypatch, volume_db):
 # With the player of the alarms.
 
 
-def played(loudspeaker, answers, quiet_for=60.0):
-    return Player(loudspeaker, loudspeaker.reports.append, answers, quiet_for)
+def played(loudspeaker, answers):
+    return Player(loudspeaker, loudspeaker.reports.append, answers, quiet_for=60.0)
 
 
-def test_the_tone_comes_first_then_the_answer(loudspeaker, monkeypatch):
-    monkeypatch.setattr(speech, "choose_voice", lambda *_: tone(0.5))
-    with loudspeaker.answers() as answers, played(loudspeaker, answers) as player:
-        wait_until(lambda: answers.duration("ready") > 0.0)
-        player.offer(TAKEN)
-        wait_until(lambda: False in loudspeaker.log)
-    assert loudspeaker.log[-4:] == [Earcon.ACCEPTED, True, "ready", False]
-
-
-def test_a_stop_ends_an_answer_and_none_follows_for_a_while(loudspeaker, monkeypatch):
-    monkeypatch.setattr(speech, "choose_voice", lambda *_: tone(0.5))
-    loudspeaker.hangs = True
+@contextmanager
+def answering(loudspeaker):
+    """A player that begins with an answer."""
     with loudspeaker.answers() as answers, played(loudspeaker, answers) as player:
         wait_until(lambda: answers.duration("ready") > 0.0)
         player.offer(TAKEN)
         wait_until(lambda: "ready" in loudspeaker.log)
+        yield player
+
+
+def test_the_tone_comes_first_then_the_answer(toned):
+    with answering(toned):
+        wait_until(lambda: False in toned.log)
+    assert toned.log[-4:] == [Earcon.ACCEPTED, True, "ready", False]
+
+
+def test_a_stop_ends_an_answer_and_none_follows_for_a_while(toned):
+    toned.hangs = True
+    with answering(toned) as player:
         player.hush()
-        wait_until(lambda: False in loudspeaker.log)
-        assert loudspeaker.log[-4:] == [True, "ready", "cut", False]
+        wait_until(lambda: False in toned.log)
+        assert toned.log[-4:] == [True, "ready", "cut", False]
         player.offer(TAKEN)
         player.offer(replace(TAKEN, earcon=Earcon.STOP, priority=Priority.MEDIUM, answer=""))
-        wait_until(lambda: loudspeaker.log[-1] is Earcon.STOP)
-        assert loudspeaker.log.count("ready") == 1
+        wait_until(lambda: toned.log[-1] is Earcon.STOP)
+        assert toned.log.count("ready") == 1
 
 
-def test_a_motion_ends_an_answer_and_none_begins_until_the_robot_rests(loudspeaker, monkeypatch):
-    monkeypatch.setattr(speech, "choose_voice", lambda *_: tone(0.5))
-    loudspeaker.hangs = True
-    with loudspeaker.answers() as answers, played(loudspeaker, answers) as player:
-        wait_until(lambda: answers.duration("ready") > 0.0)
-        player.offer(TAKEN)
-        wait_until(lambda: "ready" in loudspeaker.log)
+def test_a_motion_ends_an_answer_and_none_begins_until_the_robot_rests(toned):
+    toned.hangs = True
+    with answering(toned) as player:
         player.is_muted = True
-        wait_until(lambda: False in loudspeaker.log)
-        assert loudspeaker.log[-4:] == [True, "ready", "cut", False]
+        wait_until(lambda: False in toned.log)
+        assert toned.log[-4:] == [True, "ready", "cut", False]
         player.offer(replace(TAKEN, earcon=Earcon.REFUSAL))
         player.offer(replace(TAKEN, earcon=Earcon.STOP, priority=Priority.MEDIUM, answer=""))
-        wait_until(lambda: loudspeaker.log[-1] is Earcon.STOP)
-        assert loudspeaker.log.count("ready") == 1
-        loudspeaker.hangs, player.is_muted = False, False
+        wait_until(lambda: toned.log[-1] is Earcon.STOP)
+        assert toned.log.count("ready") == 1
+        toned.hangs, player.is_muted = False, False
         player.offer(TAKEN)
-        wait_until(lambda: loudspeaker.log[-3:] == [True, "ready", False])
+        wait_until(lambda: toned.log[-3:] == [True, "ready", False])
 
 
 @pytest.mark.parametrize(
@@ -192,16 +193,14 @@ def test_what_is_missing_is_named_and_the_tones_go_on(
     assert True not in loudspeaker.log
 
 
-def test_a_missing_loudspeaker_is_named_at_the_start(loudspeaker, monkeypatch):
-    monkeypatch.setattr(speech, "choose_voice", lambda *_: tone(0.5))
-
+def test_a_missing_loudspeaker_is_named_at_the_start(toned):
     def fail(path, duration, is_cut):
         raise AudioError("sound device: Connection refused")
 
-    loudspeaker.play_file = fail
-    with loudspeaker.answers() as answers, played(loudspeaker, answers):
-        wait_until(lambda: loudspeaker.reports)
-    assert loudspeaker.reports == ["no answer is spoken: sound device: Connection refused"]
+    toned.play_file = fail
+    with toned.answers() as answers, played(toned, answers):
+        wait_until(lambda: toned.reports)
+    assert toned.reports == ["no answer is spoken: sound device: Connection refused"]
 
 
 def test_kokoro_needs_its_styles(loudspeaker, monkeypatch, tmp_path):

@@ -59,35 +59,25 @@ def test_frames_recorded_as_16_bit_sound_come_back_unchanged():
     np.testing.assert_array_equal(again, first)
 
 
-def test_a_gap_moves_the_index_of_the_next_frame():
+def test_a_gap_moves_the_index_of_the_next_frame_and_none_can_be_written_to():
     framer = Framer()
     list(framer.push(np.zeros(700), 0.0))
     framer.skip(300)
     (frame,) = framer.push(np.zeros(512), 1.0)
-    assert frame.first_sample == 1000
-    assert frame.stamp == 1.0
-
-
-def test_frames_cannot_be_written_to():
-    (frame,) = Framer().push(np.zeros(512), 0.0)
+    assert (frame.first_sample, frame.stamp) == (1000, 1.0)
     with pytest.raises(ValueError, match="read-only"):
         frame.samples[0] = 1.0
 
 
 def test_gaps_are_noticed_and_counted():
-    watch = GapWatch()
-    assert watch(quiet_frame(1024)) is None
-    assert watch(quiet_frame(1536)) is None
-    assert watch(quiet_frame(4000)) == 4000 - 2048
-    assert watch(quiet_frame(0)) == 0
-    assert watch(quiet_frame(512)) is None
+    gaps = map(GapWatch(), map(quiet_frame, (1024, 1536, 4000, 0, 512)))
+    assert list(gaps) == [None, None, 4000 - 2048, 0, None]
 
 
 def test_levels_in_decibels():
     assert level_db(np.ones(100, np.float32)) == pytest.approx(0.0)
     assert level_db(np.full(100, 0.1, np.float32)) == pytest.approx(-20.0, abs=1e-3)
-    assert level_db(np.zeros(100, np.float32)) == -100.0
-    assert level_db(np.zeros(0, np.float32)) == -100.0
+    assert [level_db(np.zeros(n, np.float32)) for n in (100, 0)] == [-100.0] * 2
 
 
 @pytest.mark.parametrize("rate", [8000, 11_025, 22_050, 32_000, 44_100, 48_000, 96_000])
@@ -102,22 +92,16 @@ def test_resampling_by_blocks_keeps_pitch_level_and_length(rate):
     assert level_db(middle) == pytest.approx(level_db(sound.astype(np.float32)), abs=0.1)
 
 
-def test_sound_at_16_khz_is_left_as_it_is():
+def test_sound_at_16_khz_is_left_as_it_is_and_a_rate_of_no_device_refused():
     sound = sine(RATE).astype(np.float32)
     np.testing.assert_array_equal(Resampler(RATE)(sound), sound)
-
-
-def test_a_rate_of_no_device_is_refused():
     with pytest.raises(AudioError, match="sample rate 0 Hz"):
         Resampler(0)
 
 
-def test_channels_are_averaged_and_integers_scaled():
+def test_channels_are_averaged_and_integers_scaled_once():
     both = np.array([[32767, -32767], [32767, 32767]], np.int16)
     np.testing.assert_allclose(mix(both, plain(2)), [0.0, 1.0])
-
-
-def test_integer_samples_are_scaled_once():
     assert frozen_samples(np.array([32767], np.int16))[0] == 1.0
     with pytest.raises(ValueError, match="mono"):
         frozen_samples(np.zeros((2, 2)))
@@ -136,18 +120,13 @@ def test_a_recording_is_played_in_time(tmp_path, speed):
     assert time.now == pytest.approx(50.0 + 32 * FRAME / RATE / speed)
 
 
-def test_after_a_recording_silence_goes_on(tmp_path):
+def test_after_a_recording_that_was_entered_silence_goes_on(tmp_path):
     path = tmp_path / "sound.wav"
     soundfile.write(path, sine(RATE, 0.1), RATE)
+    with pytest.raises(AudioError, match="enter the source first"):
+        next(iter(WavFile(path, FakeTime(), lambda _: None)))
     time = FakeTime()
     with WavFile(path, time, time.wait, then_silence=True) as source:
         heard = [frame for frame, _ in zip(source, range(50), strict=False)]
     assert [f.first_sample for f in heard] == [FRAME * i for i in range(50)]
     assert heard[1].samples.any() and not heard[-1].samples.any()
-
-
-def test_a_recording_must_be_entered_before_it_is_read(tmp_path):
-    path = tmp_path / "sound.wav"
-    soundfile.write(path, sine(RATE, 0.1), RATE)
-    with pytest.raises(AudioError, match="enter the source first"):
-        next(iter(WavFile(path, FakeTime(), lambda _: None)))

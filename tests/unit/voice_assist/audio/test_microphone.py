@@ -18,9 +18,10 @@ USB, BUILT_IN = Device("USB Headset: Audio (hw:1,0)", 48_000, False), Device("pu
 
 
 class FakeStream:
+    is_closed = False
+
     def __init__(self, rate):
         self.rate = rate
-        self.is_closed = False
 
     def close(self):
         self.is_closed = True
@@ -80,19 +81,14 @@ def listen(sound, device="", attempts=5, lost_after=0.2, on_wait=None):
     return frames, reports
 
 
-def test_what_the_device_gives_comes_out_in_frames():
+def test_what_the_device_gives_comes_out_in_frames_stamped_as_it_was_captured():
     frames, reports = listen(FakeSound([[BUILT_IN]], [blocks(10)]), attempts=1)
-    assert len(frames) == 10
     assert [f.first_sample for f in frames] == [512 * i for i in range(10)]
+    stamps = [100.0 + i * 512 / RATE for i in range(10)]
+    assert [f.stamp for f in frames] == pytest.approx(stamps, abs=1e-6)
     assert frames[0].samples[0] == pytest.approx(1000 / 32767)
     assert reports[0] == ""
     assert "no sound for 0.2 s" in reports[1]
-
-
-def test_stamps_are_when_the_sound_was_captured():
-    frames, _ = listen(FakeSound([[BUILT_IN]], [blocks(10)]), attempts=1)
-    for i, frame in enumerate(frames):
-        assert frame.stamp == pytest.approx(100.0 + i * 512 / RATE, abs=1e-6)
 
 
 def test_another_rate_is_resampled():
@@ -155,10 +151,8 @@ def test_reading_ends_when_asked_to():
     sound = FakeSound([[BUILT_IN]], [blocks(10)])
     over = threading.Event()
     config = load_voice_config().audio.microphone
-    count = 0
     with Microphone(config, sound, sound.clock, over.wait, lambda _: None) as microphone:
-        for _ in microphone:
-            count += 1
+        for count, _ in enumerate(microphone, 1):
             if count == 4:
                 over.set()
     assert count == 4
@@ -170,17 +164,14 @@ def test_the_whole_name_wins_over_a_part_of_another():
     assert choose("pulse", devices) is devices[0]
     assert choose("SURGEON.Monitor", devices) is devices[1]
     assert choose("", devices) is devices[0]
+    with pytest.raises(DeviceError, match="default microphone: not found; microphones found: none"):
+        choose("", [])
 
 
 def test_a_name_that_fits_several_is_refused():
     devices = [Device("USB one", RATE, False), Device("USB two", RATE, True)]
     with pytest.raises(DeviceError, match="fits several"):
         choose("usb", devices)
-
-
-def test_without_any_microphone_the_list_says_none():
-    with pytest.raises(DeviceError, match="default microphone: not found; microphones found: none"):
-        choose("", [])
 
 
 def test_the_default_that_goes_is_waited_for_though_another_becomes_the_default():

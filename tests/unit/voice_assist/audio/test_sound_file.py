@@ -89,10 +89,7 @@ def with_value(value, at=30_000):
             lambda p: written(p, "a.wav", 32_767 * TONE, subtype="FLOAT"),
             r"values up to 98\d\d\.\d\d?, allowed: -1 to 1, as of float samples, from 0\.00 s on",
         ),
-        (
-            lambda p: written(p, "a.wav", rate=999),
-            "sample rate 999 Hz, allowed: 1000 to 768000 Hz",
-        ),
+        (lambda p: written(p, "a.wav", rate=999), "sample rate 999 Hz, allowed: 1000 to 768000 Hz"),
         (lambda p: p / "a.wav", "no such file"),
         (lambda p: p, ": not a file"),
     ],

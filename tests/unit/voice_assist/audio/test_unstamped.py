@@ -15,6 +15,13 @@ RAMP = (np.arange(512) - 256).astype("<i2")
 SOUND = RAMP.tobytes()
 
 
+def informed():
+    """A stream whose publisher reports its format."""
+    stream = UnstampedStream(CONFIG)
+    stream.inform(1, 16000, "S16LE", "WAVE")
+    return stream
+
+
 def taken(stream, seconds, data=SOUND, every=TICK, start=100.0):
     """What a stream makes of messages that come for so many seconds."""
     count = round(seconds / every)
@@ -31,9 +38,7 @@ def test_right_sound_is_heard_after_a_second_as_it_was_sent():
 
 
 def test_a_publisher_that_reports_its_format_is_heard_at_once():
-    stream = UnstampedStream(CONFIG)
-    stream.inform(1, 16000, "S16LE", "WAVE")
-    assert isinstance(stream.take(RAMP.tobytes(), 5.0), SoundBlock)
+    assert isinstance(informed().take(SOUND, 5.0), SoundBlock)
 
 
 @pytest.mark.parametrize(
@@ -55,15 +60,12 @@ def test_another_format_that_is_reported_is_named_and_never_heard(reported, name
 
 @pytest.mark.parametrize("drift", [2e-4, -2e-4])
 def test_a_clock_that_is_a_little_off_loses_nothing_in_an_hour(drift):
-    stream = UnstampedStream(CONFIG)
-    stream.inform(1, 16000, "S16LE", "WAVE")
-    blocks = taken(stream, 3600.0, every=TICK * (1.0 + drift))
+    blocks = taken(informed(), 3600.0, every=TICK * (1.0 + drift))
     assert sum(block.lost for block in blocks) == 0.0
 
 
 def test_what_is_lost_on_the_way_is_lost_also_where_the_clock_is_off():
-    stream = UnstampedStream(CONFIG)
-    stream.inform(1, 16000, "S16LE", "WAVE")
+    stream = informed()
     taken(stream, 60.0, every=TICK * 1.0002)
     block = stream.take(SOUND, 100.0 + 60.0 + 1.0)
     assert block.lost == pytest.approx(1.0, abs=0.05)
@@ -71,8 +73,7 @@ def test_what_is_lost_on_the_way_is_lost_also_where_the_clock_is_off():
 
 @pytest.mark.parametrize(("share", "every"), [(0.05, 0.02), (0.2, 0.02), (0.2, 0.064)])
 def test_sound_that_is_lost_all_the_time_is_reported_as_lost(share, every):
-    stream, data = UnstampedStream(CONFIG), bytes(2 * round(16000 * every))
-    stream.inform(1, 16000, "S16LE", "WAVE")
+    stream, data = informed(), bytes(2 * round(16000 * every))
     lost, reported = 0.0, 0.0
     for n in range(round(60.0 / every)):
         if n > 0 and n * every % 1.0 < share:
@@ -83,8 +84,7 @@ def test_sound_that_is_lost_all_the_time_is_reported_as_lost(share, every):
 
 
 @pytest.mark.parametrize(
-    ("bytes_per_second", "ratio"),
-    [(16_000, "0.50"), (64_000, "2.00"), (88_200, "2.76")],
+    ("bytes_per_second", "ratio"), [(16_000, "0.50"), (64_000, "2.00"), (88_200, "2.76")]
 )
 def test_another_amount_is_named_and_not_heard(bytes_per_second, ratio):
     """Compressed by a half; two channels, or twice the rate; 44.1 kHz."""
@@ -108,29 +108,25 @@ def test_a_message_that_is_no_sound_is_named(data, named):
 
 @pytest.mark.parametrize("is_reported", [False, True])
 def test_messages_that_went_missing_are_a_gap_of_their_length(is_reported):
-    stream = UnstampedStream(CONFIG)
-    if is_reported:
-        stream.inform(1, 16000, "S16LE", "wave")
+    stream = informed() if is_reported else UnstampedStream(CONFIG)
     taken(stream, 2.0)
     end = 100.0 + (round(2.0 / TICK) - 1) * TICK
-    after = stream.take(RAMP.tobytes(), end + 0.5 + TICK)
+    after = stream.take(SOUND, end + 0.5 + TICK)
     assert after.lost == pytest.approx(0.5)
-    assert stream.take(RAMP.tobytes(), end + 0.5 + 2 * TICK).lost == 0.0
+    assert stream.take(SOUND, end + 0.5 + 2 * TICK).lost == 0.0
 
 
 def test_messages_that_come_late_and_in_a_heap_are_no_gap():
-    stream = UnstampedStream(CONFIG)
-    stream.inform(1, 16000, "S16LE", "wave")
+    stream = informed()
     taken(stream, 2.0)
-    blocks = [stream.take(RAMP.tobytes(), 102.0 + 0.16) for _ in range(5)]
-    blocks += [stream.take(RAMP.tobytes(), 102.16 + n * TICK) for n in range(1, 9)]
+    blocks = [stream.take(SOUND, 102.0 + 0.16) for _ in range(5)]
+    blocks += [stream.take(SOUND, 102.16 + n * TICK) for n in range(1, 9)]
     assert sum(b.lost for b in blocks) == 0.0
 
 
 @pytest.mark.parametrize("stall", [0.3, 0.5, 0.8])
 def test_a_loss_soon_after_a_stall_of_this_process_is_reported_whole(stall):
-    stream, times = UnstampedStream(CONFIG), [100.0 + n * TICK for n in range(1000)]
-    stream.inform(1, 16000, "S16LE", "wave")
+    stream, times = informed(), [100.0 + n * TICK for n in range(1000)]
     times = [max(at, 105.0 + stall) if at > 105.0 else at for at in times]  # a heap of them
     times = [at for at in times if not 125.0 <= at < 125.448]
     late = [(at, stream.take(SOUND, at).lost) for at in times]
@@ -140,9 +136,7 @@ def test_a_loss_soon_after_a_stall_of_this_process_is_reported_whole(stall):
 
 @pytest.mark.parametrize(("is_reported", "judging"), [(True, 0.0), (False, 1.0)])
 def test_a_silence_is_a_gap_of_its_length_with_what_is_not_heard_after_it(is_reported, judging):
-    stream = UnstampedStream(CONFIG)
-    if is_reported:
-        stream.inform(1, 16000, "S16LE", "wave")
+    stream = informed() if is_reported else UnstampedStream(CONFIG)
     end = 100.0 + (len(taken(stream, 2.0)) - 1) * TICK
     stream.forget()
     blocks = [b for b in taken(stream, 2.0, start=end + 20.0) if b != ""]
@@ -176,4 +170,4 @@ def test_other_types_become_sound_within_full_scale(name, values, heard):
 def test_channels_lie_beside_each_other():
     stream = UnstampedStream(replace(CONFIG, channels=2))
     stream.inform(2, 16000, "S16LE", "wave")
-    assert stream.take(RAMP.tobytes(), 1.0).samples.shape == (256, 2)
+    assert stream.take(SOUND, 1.0).samples.shape == (256, 2)

@@ -12,6 +12,8 @@ from voice_assist.cli.main import main
 from voice_assist.config import CONFIG_DIR
 from voice_assist.profile.profile import ENV, create_profile, open_profile
 
+PLACES = ("set", "given", "environment")
+
 
 @pytest.fixture
 def config(tmp_path):
@@ -28,25 +30,28 @@ def config(tmp_path):
 @pytest.fixture
 def profiles(tmp_path, monkeypatch):
     """A profile in each place, called as the place."""
-    for place in ("set", "given", "environment"):
+    for place in PLACES:
         create_profile(place, "ab" * 32, tmp_path / place)
     monkeypatch.setenv(ENV, str(tmp_path / "environment"))
     return tmp_path
 
 
-def arguments(profiles, config, place):
+@pytest.mark.parametrize("place", PLACES)
+def test_profiles_are_found_and_learned_where_the_nodes_look(
+    profiles, config, place, capsys, monkeypatch
+):
     before = ["--config", str(config)] if place != "environment" else []
-    return before, ["--profiles", str(profiles / "given")] if place == "given" else []
-
-
-@pytest.mark.parametrize("place", ["set", "given", "environment"])
-def test_profiles_are_those_of_the_option_or_the_settings(profiles, config, place, capsys):
-    before, after = arguments(profiles, config, place)
+    after = ["--profiles", str(profiles / "given")] if place == "given" else []
     with pytest.raises(SystemExit) as ended:
         main([*before, "profiles", "list", *after])
     shown = capsys.readouterr().out
     assert not ended.value.code
-    assert [name for name in ("set", "given", "environment") if f"\n{name} " in shown] == [place]
+    assert [name for name in PLACES if f"\n{name} " in shown] == [place]
+    asked = []
+    monkeypatch.setattr(enroll_module, "enroll", lambda voice, request: asked.append(request))
+    with pytest.raises(SystemExit):
+        main([*before, "enroll", "bob", *after])
+    assert enroll_module.profiles_folder(asked[0].folder) == profiles / place
 
 
 def test_the_profile_of_the_settings_is_deleted_and_no_other(profiles, config):
@@ -56,16 +61,6 @@ def test_the_profile_of_the_settings_is_deleted_and_no_other(profiles, config):
         main(["--config", str(config), "profiles", "delete", "ada", "--yes"])
     assert not (profiles / "set" / "ada").exists()
     open_profile("ada", profiles / "environment")
-
-
-@pytest.mark.parametrize("place", ["set", "given", "environment"])
-def test_a_voice_is_learned_where_the_nodes_look(profiles, config, place, monkeypatch):
-    asked = []
-    monkeypatch.setattr(enroll_module, "enroll", lambda voice, request: asked.append(request))
-    before, after = arguments(profiles, config, place)
-    with pytest.raises(SystemExit):
-        main([*before, "enroll", "bob", *after])
-    assert enroll_module.profiles_folder(asked[0].folder) == profiles / place
 
 
 def refused(capsys, *words):

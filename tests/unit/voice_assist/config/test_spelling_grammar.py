@@ -19,15 +19,9 @@ def entry(**changes):
 
 
 def loaded(*entries, **slot):
-    base = command_entries()
-    given = {
-        "name": "way",
-        "unit": "mm",
-        "values": [1.0, 2.0],
-        "ask_above": 1.0,
-        "needs_unit": True,
-    }
-    changes = {"commands__slots": [{**given, **slot}], "commands__commands": base + list(entries)}
+    commands = [*command_entries(), *entries]
+    way = {"name": "way", "unit": "mm", "values": [1.0, 2.0], "ask_above": 1.0, "needs_unit": True}
+    changes = {"commands__slots": [{**way, **slot}], "commands__commands": commands}
     return load_voice_config(commands__amounts=True, **changes).commands
 
 
@@ -47,8 +41,7 @@ def test_optional_words_are_written_out(spelling, texts):
 @pytest.mark.parametrize("spelling", ["[please stop", "please] stop", "[[please] stop]", "{stop"])
 def test_brackets_that_do_not_match_are_named(spelling):
     with pytest.raises(CommandsError, match=r"spellings\[0\] is .* matching brackets"):
-        entry_with = [entry(phrase="pull {way} on", spellings=[spelling])]
-        loaded(*entry_with)
+        loaded(entry(phrase="pull {way} on", spellings=[spelling]))
 
 
 def test_a_phrase_with_a_slot_is_one_command_per_amount():
@@ -58,18 +51,12 @@ def test_a_phrase_with_a_slot_is_one_command_per_amount():
     assert made["tension one point five"] == "tense 1.5 N"
     assert len(made) == len(set(made.values())) == 17
     assert not any(phrase in made for phrase in COMMANDS.fixed_phrases)
-
-
-def test_amounts_are_off_unless_switched_on():
-    assert load_voice_config().commands.phrases == COMMANDS.fixed_phrases
+    assert load_voice_config().commands.phrases == COMMANDS.fixed_phrases  # unless switched on
 
 
 def test_a_whole_number_without_a_unit_has_a_point():
-    command = COMMANDS.get("tension two newtons")
-    assert [words for _, words in command.all_spellings] == [
-        "tension two newtons",
-        "tension two point zero",
-    ]
+    _, spellings = zip(*COMMANDS.get("tension two newtons").all_spellings, strict=True)
+    assert spellings == ("tension two newtons", "tension two point zero")
 
 
 def test_optional_words_and_a_slot_may_stand_together():
@@ -81,11 +68,7 @@ def test_optional_words_and_a_slot_may_stand_together():
 @pytest.mark.parametrize(
     ("changes", "slot", "said"),
     [
-        (
-            {"phrase": "pull {far} on"},
-            {},
-            "'pull {far} on', allowed: at most one of {way}",
-        ),
+        ({"phrase": "pull {far} on"}, {}, "'pull {far} on', allowed: at most one of {way}"),
         ({"phrase": "pull {way} {way}"}, {}, "at most one of {way}"),
         ({"phrase": "pull {way} on", "spellings": ["pull on"]}, {}, "text with {way}"),
         ({"phrase": "pull on", "spellings": ["pull {way} on"]}, {}, "text without a slot"),
@@ -123,7 +106,4 @@ def test_an_amount_is_scored_beside_every_other_number_written_the_same():
     assert texts["pull half a millimetre more"] == "pull half a mm more"
     assert texts["pull two millimetres less"] == "pull two millimetres less"
     assert texts["stop"] == "stop" and "half a newton less" not in texts
-
-
-def test_a_command_without_an_amount_is_scored_as_ever():
     assert set(COMMANDS.scored("pull more", ("pull", "more"))) == set(COMMANDS.fixed_phrases)

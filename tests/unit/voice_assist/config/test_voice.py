@@ -13,12 +13,13 @@ from voice_assist.config import (
 )
 
 
-def test_the_shipped_settings_load():
+def test_the_shipped_settings_load_and_an_unknown_command_names_those_there_are():
     config = load_voice_config()
-    assert config.commands.phrases == (
-        *("hey robot", "tense", "release", "pull more", "pull less", "stop", "terminate"),
-    )
+    phrases = ("hey robot", "tense", "release", "pull more", "pull less", "stop", "terminate")
+    assert config.commands.phrases == phrases
     assert config.audio.source == "microphone"
+    with pytest.raises(KeyError, match="hey robot, tense"):
+        config.commands.get("dance")
 
 
 @pytest.mark.parametrize("file", ["theatre_commands.yaml", "endoscope_commands.yaml"])
@@ -41,14 +42,11 @@ def test_every_key_of_the_shipped_files_has_a_comment_in_them():
 
 
 def _keys(data):
-    if isinstance(data, dict):
-        for key, value in data.items():
-            if not isinstance(value, (dict, list)):
-                yield key
+    for key, value in data.items() if isinstance(data, dict) else enumerate(data):
+        if isinstance(value, (dict, list)):
             yield from _keys(value)
-    elif isinstance(data, list):
-        for entry in data:
-            yield from _keys(entry)
+        elif isinstance(data, dict):
+            yield key
 
 
 def test_single_settings_can_be_replaced_and_are_checked():
@@ -68,9 +66,8 @@ def test_a_command_fits_into_an_utterance_behind_what_is_kept_before_it(pre_roll
 
 def test_of_an_utterance_no_more_is_taken_for_its_whole_than_a_recogniser_hears():
     silence = {"recognizer__early__silence_added": 0.5}
-    assert (
-        load_voice_config(recognizer__early__window=9.5, **silence).recognizer.early.window == 9.5
-    )
+    early = load_voice_config(recognizer__early__window=9.5, **silence).recognizer.early
+    assert early.window == 9.5
     for window in (9.6, 20.0):
         words = rf"early\.window.*{window:g}.*allowed: up to 9.5 s: a recogniser hears 10 s"
         with pytest.raises(ConfigError, match=words):
@@ -80,8 +77,3 @@ def test_of_an_utterance_no_more_is_taken_for_its_whole_than_a_recogniser_hears(
 def test_the_settings_can_come_from_a_mapping_as_ros_gives_it():
     data = {name: yaml.safe_load((CONFIG_DIR / f"{name}.yaml").read_text()) for name in SECTIONS}
     assert voice_config(data) == load_voice_config()
-
-
-def test_an_unknown_command_names_those_that_exist():
-    with pytest.raises(KeyError, match="hey robot, tense"):
-        load_voice_config().commands.get("dance")

@@ -6,51 +6,31 @@ from dataclasses import replace
 import numpy as np
 
 from support.theatre_sound import LEVEL, speak, theatre_noise
+from tests.unit.voice_assist.support.fake_pipeline import StreamClock, decisions, run
+from tests.unit.voice_assist.support.fake_speech import frames
 from typed_config import load_config, load_yaml
-from voice_assist.assembly import make_pipeline, make_recognizer
-from voice_assist.audio.source import Framer
+from voice_assist.assembly import make_pipeline
 from voice_assist.config import CONFIG_DIR, CommandsConfig, load_voice_config
 from voice_assist.config.devices import devices_config
 from voice_assist.devices.calls import DeviceCalls
-from voice_assist.types import RATE, Mode, UtteranceDecision, frozen_samples
+from voice_assist.types import RATE, Mode
 
 SAID = ("light on", "higher pressure")
 TALK = ("the light is on in there",)
 
 
-class Clock:
-    now = 0.0
-
-    def __call__(self):
-        return self.now
-
-
-def called(words, mode):
-    """Phrases whose calls follow from sentences, one after the other."""
+def test_spoken_words_call_their_devices_and_talk_calls_none(base):
     commands = load_config(CommandsConfig, load_yaml(CONFIG_DIR / "theatre_commands.yaml"))
-    config = load_voice_config(spotter__is_enabled=False)
-    config = replace(config, commands=commands)
-    clock = Clock()
-    pipeline = make_pipeline(config, clock, make_recognizer(config), None)
-    pipeline.set_mode(mode, "test")
+    config = replace(load_voice_config(spotter__is_enabled=False), commands=commands)
+    clock = StreamClock()
+    pipeline = make_pipeline(config, clock, base)
+    pipeline.set_mode(Mode.ACTIVE, "test")
     pause = np.zeros(round(1.5 * RATE), np.float32)
-    sound = np.concatenate([part for text in words for part in (pause, speak(text, "en-us", 150))])
-    sound = np.concatenate([sound, pause])
+    said = (part for text in (*SAID, *TALK) for part in (pause, speak(text, "en-us", 150)))
+    sound = np.concatenate([*said, pause])
     sound = sound + theatre_noise(len(sound) / RATE, 0.03 * LEVEL, seed=1)[: len(sound)]
     calls = DeviceCalls(devices_config(load_yaml(CONFIG_DIR / "devices.yaml")))
-    made = []
-    for frame in Framer().push(frozen_samples(sound.astype(np.float32)), 100.0):
-        clock.now = frame.end
-        for event in pipeline(frame):
-            if isinstance(event, UtteranceDecision):
-                calls.said(event.command)
-                made += [call.phrase for call in iter(lambda: calls.next(0.0), None)]
-    return made
-
-
-def test_spoken_words_call_their_devices():
-    assert called(SAID, Mode.ACTIVE) == list(SAID)
-
-
-def test_talk_calls_none():
-    assert called(TALK, Mode.ACTIVE) == []
+    decided = decisions(run(pipeline, clock, frames(sound.astype(np.float32))))
+    for decision in decided:
+        calls.said(decision.command)
+    assert [call.phrase for call in iter(lambda: calls.next(0.0), None)] == list(SAID)

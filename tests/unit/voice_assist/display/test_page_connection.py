@@ -5,13 +5,13 @@ import asyncio
 
 import pytest
 
-from support.browser import MISSING, Browser, find_browser
+from support.browser import MISSING, find_browser
 from tests.support.page import text
+from tests.unit.voice_assist.display.support.served_page import use_page
 from tests.unit.voice_assist.display.support.theatre import (
     HALTED,
     PULLING,
     TISSUE,
-    make_server,
     make_theatre,
 )
 
@@ -32,20 +32,18 @@ def test_a_hidden_page_gives_its_connection_back_and_takes_one_when_it_is_shown(
     """A browser has six to one server; with six pages open, a stop had none left."""
     theatre = make_theatre()
 
-    async def run():
-        async with make_server(theatre) as server, Browser() as browser:
-            theatre.see_robot(PULLING, TISSUE)
-            await browser.open(server.address)
-            await browser.until(f"{text('state')} === 'Moving'")
-            await viewers(server, 1)
-            await browser.evaluate(HIDDEN % "true")
-            await viewers(server, 0)
-            theatre.see_robot(HALTED, TISSUE)
-            await asyncio.sleep(SILENT + 0.5)  # it does not connect by itself
-            assert len(server.viewers) == 0
-            assert await browser.evaluate(text("state")) == "Moving"
-            await browser.evaluate(HIDDEN % "false")
-            await browser.until(f"{text('state')} === 'Halted'")
-            await viewers(server, 1)
+    async def use(browser, server):
+        theatre.see_robot(PULLING, TISSUE)
+        await browser.until(f"{text('state')} === 'Moving'")
+        await viewers(server, 1)
+        await browser.evaluate(HIDDEN % "true")
+        await viewers(server, 0)
+        theatre.see_robot(HALTED, TISSUE)
+        await asyncio.sleep(SILENT + 0.5)  # it does not connect by itself
+        assert len(server.viewers) == 0
+        assert await browser.evaluate(text("state")) == "Moving"
+        await browser.evaluate(HIDDEN % "false")
+        await browser.until(f"{text('state')} === 'Halted'")
+        await viewers(server, 1)
 
-    asyncio.run(run())
+    use_page(use, theatre)

@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import pytest
 
-from support.browser import MISSING, Browser, find_browser
+from support.browser import MISSING, find_browser
 from tests.support.page import click, text
+from tests.unit.voice_assist.display.support.served_page import use_page
 from tests.unit.voice_assist.display.support.theatre import (
     HALTED,
     PULLING,
     STOPPED,
     TISSUE,
     RecordedActs,
-    make_server,
     make_theatre,
 )
 from voice_assist.display.acts import Outcome
@@ -56,17 +56,14 @@ class Answers(RecordedActs):
 
 
 def on_page(use, acts=None, script=""):
-    """Open the page, with a script that runs before its own ones, and do something there."""
+    """Do something on the page of a robot that moves."""
     theatre = make_theatre()
 
-    async def run():
-        async with make_server(theatre, acts) as server, Browser() as browser:
-            await browser.send("Page.addScriptToEvaluateOnNewDocument", source=script)
-            await browser.open(server.address)
-            await browser.until(f"{text('state')} === 'Moving'")
-            await use(browser, theatre)
+    async def use_it(browser, server):
+        await browser.until(f"{text('state')} === 'Moving'")
+        await use(browser, theatre)
 
-    asyncio.run(run())
+    use_page(use_it, theatre, script, acts=acts)
 
 
 async def show(browser, theatre, robot, state):
@@ -74,27 +71,22 @@ async def show(browser, theatre, robot, state):
     await browser.until(f"{text('state')} === {state!r}")
 
 
-@pytest.mark.parametrize(
-    ("outcome", "words"),
-    [
-        (Outcome(True, "stops"), "stops"),
-        (Outcome(False, "no"), "NOT STOPPED: no. Press the emergency stop."),
-    ],
-)
-def test_what_came_of_a_stop_stands_until_the_robot_was_halted_and_woken(outcome, words):
+def test_what_came_of_a_stop_stands_until_the_robot_was_halted_and_woken():
     async def use(browser, theatre):
-        await browser.until(f"{WORDS} === {REST!r}")
-        await browser.evaluate(click("stop"))
-        await browser.until(f"{WORDS} === {words!r}")
-        await show(browser, theatre, replace(PULLING, state="active"), "Ready")
-        await show(browser, theatre, HALTED, "Halted")
-        assert await browser.evaluate(WORDS) == words
-        await show(browser, theatre, PULLING, "Moving")
-        assert await browser.evaluate(WORDS) == REST
-        is_bad = "document.getElementById('stop-words').classList.contains('is-bad')"
-        assert not await browser.evaluate(is_bad)
+        for words in ("stops", "NOT STOPPED: no. Press the emergency stop."):
+            await browser.until(f"{WORDS} === {REST!r}")
+            await browser.evaluate(click("stop"))
+            await browser.until(f"{WORDS} === {words!r}")
+            await show(browser, theatre, replace(PULLING, state="active"), "Ready")
+            await show(browser, theatre, HALTED, "Halted")
+            assert await browser.evaluate(WORDS) == words
+            await asyncio.sleep(0.4)  # a press sooner is the same one
+            await show(browser, theatre, PULLING, "Moving")
+            assert await browser.evaluate(WORDS) == REST
+            is_bad = "document.getElementById('stop-words').classList.contains('is-bad')"
+            assert not await browser.evaluate(is_bad)
 
-    on_page(use, Answers(outcome))
+    on_page(use, Answers(Outcome(True, "stops"), Outcome(False, "no")))
 
 
 def test_texts_that_come_late_do_not_overwrite_what_came_of_a_stop():

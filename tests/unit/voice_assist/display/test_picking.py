@@ -49,7 +49,7 @@ def drawn_at(point):
 
 
 def seen_nodes():
-    left, _ = camera().region[0] / camera().size[0], 0
+    left = camera().region[0] / camera().size[0]
     places = [(node, drawn_at(node)) for node in NODES]
     return [(node, at) for node, at in places if left <= at[0] < 1.0 and 0.0 <= at[1] < 1.0]
 
@@ -115,12 +115,8 @@ def test_the_last_that_was_said_before_a_picture_counts(history):
     for stamp in range(10, 13):
         said.add(stamp, f"at {stamp}")
         clock.now += 1.0
-    assert [said.at(stamp) for stamp in (10.0, 11.9, 12.0, 99.0)] == [
-        "at 10",
-        "at 11",
-        "at 12",
-        "at 12",
-    ]
+    found = [said.at(stamp) for stamp in (10.0, 11.9, 12.0, 99.0)]
+    assert found == ["at 10", "at 11", "at 12", "at 12"]
     with pytest.raises(NotOnTissueError, match="no longer known: click into a newer"):
         said.at(9.9)
     with pytest.raises(NotOnTissueError, match="has no time stamp"):

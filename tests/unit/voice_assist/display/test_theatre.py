@@ -36,52 +36,44 @@ def test_nothing_is_known_of_what_was_never_heard(clock):
     assert (snapshot.alarm, snapshot.picture) == (None,) * 2
 
 
-def test_each_part_ages_by_itself(theatre, clock):
+def test_each_part_ages_by_itself_and_a_voice_without_sound_has_no_age(theatre, clock):
     clock.now += 3.0
     theatre.see_sound(-20.0)
     snapshot = theatre.snapshot()
     assert snapshot.robot.age == snapshot.tissue.age == snapshot.recording.age == 3.0
-    assert snapshot.hearing.age == 0.0
-    assert snapshot.hearing.utterance.age == 3.0
-
-
-def test_a_voice_without_sound_has_no_age(clock):
+    assert (snapshot.hearing.age, snapshot.hearing.utterance.age) == (0.0, 3.0)
     theatre = Theatre(0.5, clock, clock)
     theatre.see_voice_health("", "no sound has come yet")
     hearing = theatre.snapshot().hearing
-    assert hearing.age == float("inf")
-    assert hearing.trouble == "no sound has come yet"
+    assert (hearing.age, hearing.trouble) == (float("inf"), "no sound has come yet")
 
 
 def test_the_level_is_the_loudest_since_the_last_snapshot(theatre):
-    for level in (-50.0, -12.0, -40.0):
-        theatre.see_sound(level)
-    assert theatre.snapshot().hearing.level == -12.0
-    assert theatre.snapshot().hearing.level == QUIET
-    theatre.see_sound(-44.0)
-    assert theatre.snapshot().hearing.level == -44.0
+    for levels, loudest in (((-50.0, -12.0, -40.0), -12.0), ((), QUIET), ((-44.0,), -44.0)):
+        for level in levels:
+            theatre.see_sound(level)
+        assert theatre.snapshot().hearing.level == loudest
 
 
-def test_text_as_it_is_heard_goes_with_the_decision_or_with_time(theatre, clock):
-    theatre.see_partial("pull m")
-    assert theatre.snapshot().hearing.partial == "pull m"
+@pytest.mark.parametrize(
+    ("part", "text", "shown_for"),
+    [("partial", "pull m", PARTIAL_FOR), ("device", "light on: done", DEVICE_FOR)],
+)
+def test_text_as_it_is_heard_and_what_a_device_answered_go_with_the_next_word_or_with_time(
+    theatre, clock, part, text, shown_for
+):
+    def shown():
+        return getattr(theatre.snapshot().hearing, part)
+
+    see = getattr(theatre, f"see_{part}")
+    theatre.see_utterance(UtterancePart("light on", "light on", "", "recognizer"))
+    see(text)
+    assert shown() == text
     theatre.see_utterance(UtterancePart("pull more", "pull more", "", "recognizer"))
-    assert theatre.snapshot().hearing.partial == ""
-    theatre.see_partial("rel")
-    clock.now += PARTIAL_FOR
-    assert theatre.snapshot().hearing.partial == ""
-
-
-def test_what_a_device_answered_goes_with_the_next_word_or_with_time(theatre, clock):
-    word = UtterancePart("light on", "light on", "", "recognizer")
-    theatre.see_utterance(word)
-    theatre.see_device("light on: done")
-    assert theatre.snapshot().hearing.device == "light on: done"
-    theatre.see_utterance(UtterancePart("pull more", "pull more", "", "recognizer"))
-    assert theatre.snapshot().hearing.device == ""
-    theatre.see_device("light on: done")
-    clock.now += DEVICE_FOR
-    assert theatre.snapshot().hearing.device == ""
+    assert shown() == ""
+    see(text)
+    clock.now += shown_for
+    assert shown() == ""
 
 
 def test_limits_and_why_the_tension_is_invalid_are_shown_with_it(theatre):
@@ -112,7 +104,7 @@ def test_pictures_are_numbered(theatre):
     assert theatre.picture == Picture(2, "image/jpeg", b"two", 2.0)
 
 
-def test_words_count_by_mode_state_and_what_is_held():
+def test_words_count_by_mode_state_and_what_is_held(theatre):
     cases = {
         ("standby", "standby", False): ("hey robot", "stop"),
         ("active", "active", False): ("hey robot", "tense", "stop"),
@@ -123,32 +115,26 @@ def test_words_count_by_mode_state_and_what_is_held():
     }
     for (mode, state, held), expected in cases.items():
         assert words_that_count(RULES, mode, state, held) == expected
-
-
-def test_the_words_that_count_follow_the_controller(theatre):
     assert "pull more" in theatre.snapshot().robot.words
     theatre.see_robot(HALTED, TISSUE)
     assert theatre.snapshot().robot.words == ("hey robot", "stop")
 
 
-def test_a_phase_ends_as_its_speed_lately_says(clock):
+@pytest.mark.parametrize(
+    "then",
+    [
+        [("pull", 0.4, 3.0), ("release", 0.0, 3.1)],  # it stands; the next phase
+        [("pull", 0.1, 1.1)],  # the same one again
+    ],
+)
+def test_a_phase_ends_as_its_speed_lately_says_and_each_begins_anew(then):
     phase = PhaseClock()
     for step in range(11):
         phase.report("pull", 0.04 * step, 0.1 * step)
     assert phase.remaining == pytest.approx(1.5)
-    phase.report("pull", 0.4, 3.0)  # it stands
-    assert phase.remaining is None
-    phase.report("release", 0.0, 3.1)
-    assert phase.remaining is None
-
-
-def test_the_next_phase_and_the_same_one_again_begin_anew():
-    phase = PhaseClock()
-    for step in range(10):
-        phase.report("pull", 0.1 * step, 0.1 * step)
-    assert phase.remaining is not None
-    phase.report("pull", 0.1, 1.0)
-    assert phase.remaining is None
+    for news in then:
+        phase.report(*news)
+        assert phase.remaining is None
 
 
 def test_the_remaining_time_is_shown_of_what_moves_only(theatre, clock):

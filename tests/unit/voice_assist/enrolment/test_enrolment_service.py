@@ -1,16 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Enrolment for a screen and from recorded sessions."""
 
-from __future__ import annotations
-
 import csv
 import dataclasses
 import sys
-from collections.abc import Iterator
-from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
@@ -23,112 +19,106 @@ from voice_assist.config.enrolment import load_enrolment_config
 from voice_assist.enrolment.remote_session import EnrolmentService
 from voice_assist.enrolment.takes.checks import TakeCheck
 from voice_assist.enrolment.takes.from_session import COLUMNS, Uncorrected, read_takes
-from voice_assist.enrolment.takes.script import EnrolmentScript, EnrolmentStep
+from voice_assist.enrolment.takes.script import EnrolmentScript
 from voice_assist.errors import ManifestError
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.profile.profile import create_profile, delete_profile, open_profile
-from voice_assist.types import FULL_SCALE, Frame
+from voice_assist.types import FULL_SCALE
 
 VOICE = load_voice_config()
 CONFIG = dataclasses.replace(load_enrolment_config(), talk=0.0, room=1.0)
 PHRASES = VOICE.commands.phrases
 
 
+def heard(text):
+    yield from frames(say(text, 0.5, 4.0) if text else silence(5.0).astype(np.float32))
+
+
 class Room:
     """A room in which a person says what was put on a list."""
 
-    def __init__(self) -> None:
-        self.said: list[str] = []
-        self.is_armed = False
+    def __init__(self):
+        self.said, self.is_armed = [], False
 
-    def listen(self) -> Iterator[Frame]:
-        text = self.said.pop(0)
-        yield from frames(say(text, 0.5, 4.0) if text else silence(5.0).astype(np.float32))
+    def listen(self):
+        return heard(self.said.pop(0))
 
 
 class Base(FakeRecognizer):
     model_hash = "ab" * 32
 
 
-def make_service(root: Path) -> tuple[EnrolmentService, Room]:
-    room = Room()
-    args = VOICE, CONFIG, Base({"stop": 9.0}), root, room.listen, lambda: room.is_armed
-    return EnrolmentService(*args), room
+@pytest.fixture
+def room():
+    return Room()
 
 
-def test_a_screen_is_led_through_the_script(tmp_path: Path) -> None:
-    service, room = make_service(tmp_path)
+@pytest.fixture
+def service(room, tmp_path):
+    args = VOICE, CONFIG, Base({"stop": 9.0}), tmp_path, room.listen, lambda: room.is_armed
+    return EnrolmentService(*args)
+
+
+def test_a_screen_is_led_through_the_script(service, room, tmp_path):
     result = service("ada", "next")
-    assert result.step is not None
     assert result.step.kind == "room"
     room.said = ["", "hey robot", "tense"]
     for expected in ("hey robot", "tense", "release"):
         result = service("ada", "record")
         assert result.success, result.message
-        assert result.step is not None
         assert result.step.phrase == expected
     assert len(open_profile("ada", tmp_path).manifest.takes) == 3
 
 
-def test_a_wrong_word_is_asked_for_again(tmp_path: Path) -> None:
-    service, room = make_service(tmp_path)
+def test_a_wrong_word_is_asked_for_again(service, room):
     room.said = ["", "stop"]
     service("ada", "record")
     result = service("ada", "record")
     assert not result.success
     assert "wrong word: 'stop' was heard" in result.message
-    assert result.step is not None
     assert result.step.phrase == "hey robot"
 
 
-def test_what_a_terminal_did_meanwhile_is_gone_on_from(tmp_path: Path) -> None:
-    service, room = make_service(tmp_path)
+def test_what_a_terminal_did_meanwhile_is_gone_on_from(service, room, tmp_path):
     room.said = ["", "tense"]
     service("ada", "record")
     terminal = open_profile("ada", tmp_path)
-    take = terminal.manifest.takes[0]
-    terminal.add_take(
-        say("hey robot", 0.5, 0.5), dataclasses.replace(take, kind=COMMAND, phrase="hey robot")
-    )
+    take = dataclasses.replace(terminal.manifest.takes[0], kind=COMMAND, phrase="hey robot")
+    terminal.add_take(say("hey robot", 0.5, 0.5), take)
     result = service("ada", "record")
     assert result.success, result.message
     takes = open_profile("ada", tmp_path).manifest.takes
     assert [take.phrase for take in takes] == ["", "hey robot", "tense"]
 
 
-def test_what_a_terminal_did_while_a_take_was_recorded_is_kept(tmp_path: Path) -> None:
-    service, room = make_service(tmp_path)
+def test_what_a_terminal_did_while_a_take_was_recorded_is_kept(service, room, tmp_path):
     room.said = ["", "hey robot"]
     service("ada", "record")
-    listen = room.listen
 
-    def interrupted() -> Iterator[Frame]:
+    def interrupted():
         open_profile("ada", tmp_path).put("note.txt", b"by a terminal")
-        yield from listen()
+        yield from room.listen()
 
     service._listen = interrupted
     assert service("ada", "record").success
     assert open_profile("ada", tmp_path).read("note.txt") == b"by a terminal"
 
 
-def test_a_profile_that_was_deleted_meanwhile_begins_anew(tmp_path: Path) -> None:
-    service, room = make_service(tmp_path)
+def test_a_profile_that_was_deleted_meanwhile_begins_anew(service, room, tmp_path):
     room.said = [""]
     service("ada", "record")
     delete_profile("ada", tmp_path)
     result = service("ada", "next")
-    assert result.step is not None
     assert result.step.kind == "room"
     assert open_profile("ada", tmp_path).manifest.takes == ()
 
 
-def test_a_profile_that_was_deleted_while_a_take_was_recorded_is_named(tmp_path: Path) -> None:
-    service, _ = make_service(tmp_path)
+def test_a_profile_that_was_deleted_while_a_take_was_recorded_is_named(service, tmp_path):
     service("ada", "next")
 
-    def interrupted() -> Iterator[Frame]:
+    def interrupted():
         delete_profile("ada", tmp_path)
-        yield from frames(silence(5.0).astype(np.float32))
+        yield from heard("")
 
     service._listen = interrupted
     result = service("ada", "record")
@@ -137,14 +127,12 @@ def test_a_profile_that_was_deleted_while_a_take_was_recorded_is_named(tmp_path:
     assert not (tmp_path / "ada").exists()
 
 
-def test_a_take_unlike_the_base_is_kept_when_it_comes_again(tmp_path: Path) -> None:
-    service, room = make_service(tmp_path)
+def test_a_take_unlike_the_base_is_kept_when_it_comes_again(service, room):
     room.said = ["", "mumble", "mumble"]
     assert [service("ada", "record").success for _ in range(3)] == [True, False, True]
 
 
-def test_nothing_is_recorded_while_commands_move_the_robot(tmp_path: Path) -> None:
-    service, room = make_service(tmp_path)
+def test_nothing_is_recorded_while_commands_move_the_robot(service, room, tmp_path):
     room.is_armed = True
     result = service("ada", "record")
     assert not result.success
@@ -160,8 +148,8 @@ def test_nothing_is_recorded_while_commands_move_the_robot(tmp_path: Path) -> No
         ("ada", "learn", "recogniser 'fake' cannot be adapted, allowed: the embedded model"),
     ],
 )
-def test_what_cannot_be_done_is_named(tmp_path: Path, name: str, action: str, message: str) -> None:
-    result = make_service(tmp_path)[0](name, action)
+def test_what_cannot_be_done_is_named(service, name, action, message):
+    result = service(name, action)
     assert not result.success
     assert message in result.message
 
@@ -169,29 +157,22 @@ def test_what_cannot_be_done_is_named(tmp_path: Path, name: str, action: str, me
 # --- recorded sessions
 
 
-@dataclass(frozen=True, eq=False)
-class Recorded:
-    time: float
-    heard: str
-    command: str
-    samples: np.ndarray
-
-
-def as_recorded(text: str) -> np.ndarray:
-    return np.rint(say(text, 0.3, 0.3) * FULL_SCALE).astype(np.int16)
+def recorded(time, text, command):
+    samples = np.rint(say(text, 0.3, 0.3) * FULL_SCALE).astype(np.int16)
+    return SimpleNamespace(time=time, heard=text, command=command, samples=samples)
 
 
 @pytest.fixture
-def reader(monkeypatch: pytest.MonkeyPatch) -> str:
+def reader(monkeypatch):
     module = ModuleType("fake_sessions")
     said = [("tense", "tense"), ("mumble", ""), ("he said", ""), ("stop", "stop")]
-    found = [Recorded(float(i), t, c, as_recorded(t)) for i, (t, c) in enumerate(said)]
-    module.read = lambda path: found  # type: ignore[attr-defined]
+    found = [recorded(float(i), *words) for i, words in enumerate(said)]
+    module.read = lambda path: found
     monkeypatch.setitem(sys.modules, "fake_sessions", module)
     return "fake_sessions:read"
 
 
-def correct(path: Path, said: dict[int, str]) -> None:
+def correct(path, said):
     with path.open(newline="") as file:
         rows = list(csv.DictReader(file))
     with path.open("w", newline="") as file:
@@ -201,27 +182,16 @@ def correct(path: Path, said: dict[int, str]) -> None:
             table.writerow({**row, "said": said.get(int(row["number"]), row["said"])})
 
 
-def test_nothing_is_learned_from_a_session_that_nobody_corrected(
-    tmp_path: Path, reader: str
-) -> None:
-    path = tmp_path / "said.csv"
+def test_a_session_that_was_corrected_becomes_takes_once_and_no_other(tmp_path, reader):
+    path, session_path = tmp_path / "said.csv", tmp_path / "session.mcap"
     with pytest.raises(Uncorrected, match=r"said.csv was written; correct the column said"):
-        read_takes(tmp_path / "session.mcap", path, PHRASES, reader)
+        read_takes(session_path, path, PHRASES, reader)
     rows = list(csv.DictReader(path.open()))
     assert [row["said"] for row in rows] == ["tense", "", "", "stop"]
-
-
-def test_corrected_utterances_become_takes_once(tmp_path: Path, reader: str) -> None:
-    path, session_path = tmp_path / "said.csv", tmp_path / "session.mcap"
-    with pytest.raises(Uncorrected):
-        read_takes(session_path, path, PHRASES, reader)
     correct(path, {2: "release", 3: "talk", 4: ""})
     takes = read_takes(session_path, path, PHRASES, reader)
-    assert [(t.kind, t.phrase) for t in takes] == [
-        (COMMAND, "tense"),
-        (COMMAND, "release"),
-        (TALK, ""),
-    ]
+    found = [(take.kind, take.phrase) for take in takes]
+    assert found == [(COMMAND, "tense"), (COMMAND, "release"), (TALK, "")]
     profile = create_profile("ada", "ab" * 32, tmp_path / "profiles")
     check = TakeCheck(CONFIG.checks, VOICE.commands, FakeRecognizer({"release": -5.0}))
     script = EnrolmentScript(profile, CONFIG, PHRASES, check)
@@ -241,18 +211,14 @@ def test_corrected_utterances_become_takes_once(tmp_path: Path, reader: str) -> 
         ("number,said\n1,\n", "said.csv: the column said is empty"),
     ],
 )
-def test_a_correction_that_cannot_be_used_is_refused(
-    tmp_path: Path, reader: str, lines: str, words: str
-) -> None:
+def test_a_correction_that_cannot_be_used_is_refused(tmp_path, reader, lines, words):
     path = tmp_path / "said.csv"
     path.write_text(lines)
     with pytest.raises(ManifestError, match=words):
         read_takes(tmp_path / "session.mcap", path, PHRASES, reader)
 
 
-def test_a_file_of_corrections_that_exists_is_kept_and_named(
-    tmp_path: Path, reader: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_of_corrections_that_exists_is_kept_and_named(tmp_path, reader, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("corrections.csv").write_text("kept")
     with pytest.raises(ManifestError, match=r"corrections.csv exists already; name it or another"):
@@ -260,9 +226,7 @@ def test_a_file_of_corrections_that_exists_is_kept_and_named(
     assert Path("corrections.csv").read_text() == "kept"
 
 
-def test_a_session_in_which_nothing_was_said_leaves_no_file(
-    tmp_path: Path, reader: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_session_in_which_nothing_was_said_leaves_no_file(tmp_path, reader, monkeypatch):
     monkeypatch.setattr("fake_sessions.read", lambda path: [])
     with pytest.raises(ManifestError, match=r"no utterance with its sound .* nothing was written"):
         read_takes(tmp_path / "session.mcap", tmp_path / "said.csv", PHRASES, reader)
@@ -270,7 +234,7 @@ def test_a_session_in_which_nothing_was_said_leaves_no_file(
 
 
 @pytest.mark.parametrize("name", ["nowhere:read", "json:nothing", "json"])
-def test_a_reader_that_is_not_there_is_named(tmp_path: Path, name: str) -> None:
+def test_a_reader_that_is_not_there_is_named(tmp_path, name):
     with pytest.raises(ManifestError, match=f"session_reader '{name}'"):
         read_takes(tmp_path, None, PHRASES, name)
 
@@ -283,29 +247,28 @@ class Microphone:
 
     opened = 0
 
-    def __init__(self, said: list[str]) -> None:
+    def __init__(self, said):
         self._said = said
 
-    def __enter__(self) -> Microphone:
+    def __enter__(self):
         Microphone.opened += 1
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, *_):
         Microphone.opened -= 1
 
-    def __iter__(self) -> Iterator[Frame]:
-        text = self._said.pop(0)
-        yield from frames(say(text, 0.5, 4.0) if text else silence(5.0).astype(np.float32))
+    def __iter__(self):
+        return heard(self._said.pop(0))
 
 
-def test_the_terminal_asks_again_and_goes_on_after_ctrl_c(tmp_path: Path) -> None:
+def test_the_terminal_asks_again_and_goes_on_after_ctrl_c(tmp_path):
     profile = create_profile("ada", "ab" * 32, tmp_path / "profiles")
     config = dataclasses.replace(CONFIG, repetitions=3)
     check = TakeCheck(config.checks, VOICE.commands, Base({"stop": 9.0}))
     said = ["", "stop", "hey robot", "tense"]
-    asked: list[str] = []
+    asked = []
 
-    def ready(step: EnrolmentStep) -> None:
+    def ready(step):
         assert Microphone.opened == 0  # nobody listens until the person is ready
         asked.append(step.phrase)
         if not said:
@@ -314,17 +277,10 @@ def test_the_terminal_asks_again_and_goes_on_after_ctrl_c(tmp_path: Path) -> Non
     shown = StringIO()
     console = Console(file=shown, width=100)
     with pytest.raises(KeyboardInterrupt):
-        guide(
-            EnrolmentScript(profile, config, PHRASES, check),
-            Microphone(said),
-            console,
-            ready,
-        )
+        guide(EnrolmentScript(profile, config, PHRASES, check), Microphone(said), console, ready)
     assert asked == ["", "hey robot", "hey robot", "tense", "release"]
     assert "wrong word: 'stop' was heard" in shown.getvalue()
     assert "once more, please" in " ".join(shown.getvalue().split())
-    rest = EnrolmentScript(
-        open_profile("ada", tmp_path / "profiles"), config, PHRASES, check
-    ).next()
-    assert rest is not None
+    again = open_profile("ada", tmp_path / "profiles")
+    rest = EnrolmentScript(again, config, PHRASES, check).next()
     assert (rest.phrase, rest.number, rest.total) == ("release", 3, 21)

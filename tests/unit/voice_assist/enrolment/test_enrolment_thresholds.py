@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Thresholds of a person: by risk, with bounds that few takes leave wide; and the check itself."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import pytest
@@ -23,46 +21,33 @@ MOTION, HALT, WAKE = (COMMANDS.get(p) for p in ("pull more", "stop", "hey robot"
 sure = st.lists(st.floats(0.0, 1.0), max_size=6).map(tuple)
 
 
-def test_a_motion_is_raised_above_what_it_was_wrongly_heard_in() -> None:
-    least = choose_threshold(MOTION, ConfidenceEvidence((0.97, 0.98, 0.99), 0, (0.87, 0.2)), 0.05)
-    assert least == pytest.approx(0.92)
-
-
-def test_a_motion_is_not_raised_above_its_own_takes() -> None:
-    least = choose_threshold(MOTION, ConfidenceEvidence((0.96, 0.98), 0, (0.96,)), 0.05)
-    assert least == pytest.approx(0.91)
-
-
-def test_a_halt_is_lowered_to_its_takes_and_never_raised() -> None:
-    assert choose_threshold(HALT, ConfidenceEvidence((0.58, 0.9), 0, ()), 0.05) == pytest.approx(
-        0.53
-    )
-    assert (
-        choose_threshold(HALT, ConfidenceEvidence((0.9,), 0, (0.99,)), 0.05) == HALT.min_confidence
-    )
-
-
-def test_what_arms_is_lowered_only_where_nothing_spoke_against() -> None:
-    assert choose_threshold(WAKE, ConfidenceEvidence((0.3, 0.8), 0, ()), 0.05) == pytest.approx(
-        0.25
-    )
-    assert (
-        choose_threshold(WAKE, ConfidenceEvidence((0.3, 0.8), 0, (0.9,)), 0.05)
-        == WAKE.min_confidence
-    )
+@pytest.mark.parametrize(
+    ("command", "own", "against", "least"),
+    [
+        (MOTION, (0.97, 0.98, 0.99), (0.87, 0.2), 0.92),  # above what it was wrongly heard in
+        (MOTION, (0.96, 0.98), (0.96,), 0.91),  # not above its own takes
+        (HALT, (0.58, 0.9), (), 0.53),
+        (HALT, (0.9,), (0.99,), HALT.min_confidence),
+        (WAKE, (0.3, 0.8), (), 0.25),
+        (WAKE, (0.3, 0.8), (0.9,), WAKE.min_confidence),
+    ],
+)
+def test_a_motion_is_raised_a_halt_lowered_and_what_arms_lowered_where_nothing_spoke_against(
+    command, own, against, least
+):
+    found = choose_threshold(command, ConfidenceEvidence(own, 0, against), 0.05)
+    assert found == pytest.approx(least)
 
 
 @given(own=sure, against=sure)
-def test_no_evidence_makes_a_motion_easier_or_a_halt_harder(
-    own: tuple[float, ...], against: tuple[float, ...]
-) -> None:
+def test_no_evidence_makes_a_motion_easier_or_a_halt_harder(own, against):
     evidence = ConfidenceEvidence(own, 0, against)
     assert choose_threshold(MOTION, evidence, 0.05) >= MOTION.min_confidence
     assert choose_threshold(HALT, evidence, 0.05) <= HALT.min_confidence
 
 
 @given(st.floats(0.0, 0.95), st.floats(0.0, 0.95))
-def test_no_file_makes_a_motion_easier_or_a_halt_harder(motion: float, halt: float) -> None:
+def test_no_file_makes_a_motion_easier_or_a_halt_harder(motion, halt):
     wanted = (
         Setting(phrase="pull more", least_confidence=motion),
         Setting(phrase="stop", least_confidence=halt),
@@ -73,7 +58,7 @@ def test_no_file_makes_a_motion_easier_or_a_halt_harder(motion: float, halt: flo
     assert own.get("tense") == COMMANDS.get("tense")
 
 
-def test_misses_count_takes_that_were_not_heard_and_those_below() -> None:
+def test_misses_count_takes_that_were_not_heard_and_those_below():
     expected = expected_errors(
         MOTION, 0.6, ConfidenceEvidence((0.5, 0.9), 1, (0.8,)), (0.8, 0.3), 0.5
     )
@@ -82,20 +67,20 @@ def test_misses_count_takes_that_were_not_heard_and_those_below() -> None:
     assert expected.false_per_hour_at_most == pytest.approx(rate_at_most(1, 0.5))
 
 
-def trials(n: int, phrase: str, base: str, profile: str) -> list[SelfCheckTrial]:
-    def taken(command: str) -> tuple[str, ...]:
+def trials(n, phrase, base, profile):
+    def taken(command):
         return (command,) if command else ()
 
     return [SelfCheckTrial(f"{i}", phrase, taken(base), taken(profile)) for i in range(n)]
 
 
-def good() -> SelfCheckResult:
+def good():
     own = [*trials(15, "tense", "tense", "tense"), *trials(6, "tense", "", "tense")]
     others = [*trials(40, "stop", "stop", "stop"), *trials(80, "", "", "")]
     return SelfCheckResult(own=own, talk=trials(4, "", "", ""), others=others)
 
 
-def test_a_better_profile_that_harms_nobody_passes() -> None:
+def test_a_better_profile_that_harms_nobody_passes():
     assert good().problems(CONFIG) == ()
 
 
@@ -119,8 +104,6 @@ def test_a_better_profile_that_harms_nobody_passes() -> None:
         ({"wrong_words": ["takes/0001.wav: wrong word"]}, "takes/0001.wav: wrong word"),
     ],
 )
-def test_whatever_got_worse_is_named_with_what_was_allowed(
-    change: dict[str, object], problem: str
-) -> None:
-    problems = dataclasses.replace(good(), **change).problems(CONFIG)  # type: ignore[arg-type]
+def test_whatever_got_worse_is_named_with_what_was_allowed(change, problem):
+    problems = dataclasses.replace(good(), **change).problems(CONFIG)
     assert any(problem in found for found in problems), problems

@@ -50,6 +50,5 @@ def test_a_profile_without_enough_takes_gets_none_and_nothing_moves(tmp_path):
         put_voiceprint(profile, CONFIG)
     assert not profile.has(FILE)
     gate = make_gate(CONFIG, None)
-    assert (
-        isinstance(gate, ClosedGate) and "no profile with a voiceprint" in gate(np.zeros(9)).words
-    )
+    assert isinstance(gate, ClosedGate)
+    assert "no profile with a voiceprint" in gate(np.zeros(9)).words

@@ -116,20 +116,19 @@ def test_a_whole_text_may_sound_almost_like_a_command(text, command):
     assert (almost.command, almost.wer) == (command, MAPPER(text).wer)
 
 
+DENIES = ("", "no bull less", "ten", "bull less ñ", "tense up", "pull more gauze", "release it")
+OTHERWISE = ("thank you", "police", "the past dense of it", "pull")
+
+
 @pytest.mark.parametrize(
-    "text",
+    ("text", "near"),
     [
-        *("", "no bull less", "ten", "bull less ñ", "tense up", "pull more gauze", "release it"),
-        *("stop bull less", "stop dense"),
+        *((text, 0.4) for text in (*DENIES, "stop bull less", "stop dense")),
+        *((text, 0.25) for text in OTHERWISE),
     ],
 )
-def test_what_denies_or_has_more_in_it_is_almost_none_however_near_it_sounds(text):
-    assert MAPPER.almost(text, 0.4) is None
-
-
-@pytest.mark.parametrize("text", ["thank you", "police", "the past dense of it", "pull"])
-def test_what_sounds_otherwise_is_almost_none(text):
-    assert MAPPER.almost(text, 0.25) is None
+def test_what_denies_has_more_in_it_or_sounds_otherwise_is_almost_none(text, near):
+    assert MAPPER.almost(text, near) is None
 
 
 def test_talk_is_not_all_near_the_command_with_the_longest_spelling():
@@ -151,10 +150,8 @@ def test_what_runs_together_is_parted_only_where_no_command_has_that_word():
 
 
 def test_silence_has_no_nearest_command():
-    assert MAPPER("") == NoMatch(
-        Rejection(RejectionReason.NO_COMMAND, "nothing was said"), "", MAPPER("").wer
-    )
-    assert set(MAPPER("").wer) == set(TAKEN)
+    nothing, outcome = Rejection(RejectionReason.NO_COMMAND, "nothing was said"), MAPPER("")
+    assert outcome == NoMatch(nothing, "", outcome.wer) and set(outcome.wer) == set(TAKEN)
 
 
 def test_the_lowest_error_below_its_own_threshold_wins():
@@ -168,10 +165,8 @@ def test_the_lowest_error_below_its_own_threshold_wins():
 
 
 def test_no_shipped_command_can_grow_into_another_but_a_halt():
-    assert not any(MAPPER.can_grow(command) for command in TAKEN)
-    assert MAPPER.can_grow("pull")
-    assert MAPPER.can_grow("hey")
-    assert not MAPPER.can_grow("pull over")
+    assert not any(MAPPER.can_grow(text) for text in (*TAKEN, "pull over"))
+    assert MAPPER.can_grow("pull") and MAPPER.can_grow("hey")
 
 
 def test_all_accepted_phrases_are_listed():

@@ -18,14 +18,8 @@ OTHERS = [command.phrase for command in CONFIG.commands if not command.is_halt]
 SAID = st.text(max_size=40) | st.text("tensopurl mhyb'.\u200d\u0455\uff53\u0301\x00", max_size=15)
 # What a recogniser may well write around a command; these are the command.
 HARMLESS = (
-    "{}",
-    " {}. ",
-    "{}!",
-    "\u201c{}\u201d",
-    "{}\u2026",
-    "\u00a0{}\u3002",
-    "{}\x00",
-    "{}\x1f",
+    *("{}", " {}. ", "{}!", "\u201c{}\u201d", "{}\u2026"),
+    *("\u00a0{}\u3002", "{}\x00", "{}\x1f"),
 )
 
 

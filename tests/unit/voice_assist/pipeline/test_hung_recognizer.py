@@ -161,15 +161,7 @@ class Room:
 
     def __getattr__(self, name):
         """A publisher."""
-        if name not in (
-            "audio",
-            "side_input",
-            "partial",
-            "utterance",
-            "mode",
-            "stop",
-            "heartbeat",
-        ):
+        if name not in ("audio", "side_input", "partial", "utterance", "mode", "stop", "heartbeat"):
             raise AttributeError(name)
         return lambda *_: self.seen.append((name,))
 
@@ -209,9 +201,26 @@ class Room:
         assert self.recognizer.hangs.wait(PATIENCE)
         self.more("heartbeat", 2)  # the watch has seen when it began
 
-    def close(self):
+    def go_on(self):
+        """End the hang."""
         self.recognizer.is_hanging = False
         self.recognizer.go.set()
+
+    def hang_too_long(self, times=1.05):
+        """Hang, until the robot is stopped for it."""
+        self.hang()
+        self.recognizer.clock.now += times * LIMIT
+        self.reach("stop", 1)
+
+    def is_without_heartbeat(self):
+        """Whether none comes while diagnostics do."""
+        self.more("diagnostics", 2)
+        beats = self.count("heartbeat")
+        self.more("diagnostics", 2)
+        return self.count("heartbeat") == beats
+
+    def close(self):
+        self.go_on()
         self.sound.put(None)
         self.done.set()
         self._thread.join(PATIENCE)
@@ -238,32 +247,23 @@ def test_a_pass_that_takes_as_long_as_it_may_is_no_hang(room, clock):
     assert room.count("stop") == 0
 
 
-def test_a_hang_stops_the_robot_once_and_ends_the_heartbeat(room, clock):
-    room.hang()
-    clock.now += 1.05 * LIMIT
-    room.reach("stop", 1)
+def test_a_hang_stops_the_robot_once_and_ends_the_heartbeat(room):
+    room.hang_too_long()
     assert room.calls_dropped == 1  # what was to be called goes with it
-    room.more("diagnostics", 1)
-    beats = room.count("heartbeat")
-    room.more("diagnostics", 3)
-    assert room.count("heartbeat") == beats
+    assert room.is_without_heartbeat()
     assert room.count("stop") == 1
 
 
-def test_diagnostics_name_the_hang_and_what_is_allowed(room, clock):
-    room.hang()
-    clock.now += 10.0 * LIMIT
-    room.reach("stop", 1)
+def test_diagnostics_name_the_hang_and_what_is_allowed(room):
+    room.hang_too_long(10.0)
     room.more("diagnostics", 1)
     level, words, fault = room.state()
     assert level == DiagnosticStatus.ERROR and fault is HearingFault.HANGS
     assert words == f"recognition hangs: {10 * LIMIT:.2f} s on one frame, allowed {LIMIT:g} s"
 
 
-def test_a_hang_does_not_hide_a_stop_from_the_spotter(room, clock):
-    room.hang()
-    clock.now += 1.05 * LIMIT
-    room.reach("stop", 1)
+def test_a_hang_does_not_hide_a_stop_from_the_spotter(room):
+    room.hang_too_long()
     room.spotter.is_said = True
     end = room.hear("stop")
     wait_until(lambda: room.spotter.heard[-1] >= end - 512, "the spotter hears on")
@@ -291,12 +291,9 @@ def test_the_spotter_stops_before_the_hang_is_noticed(room):
     assert room.count("stop") >= 1
 
 
-def test_after_a_hang_that_ends_the_heartbeat_comes_back_and_nothing_else(room, clock):
-    room.hang()
-    clock.now += 1.05 * LIMIT
-    room.reach("stop", 1)
-    room.recognizer.is_hanging = False
-    room.recognizer.go.set()
+def test_after_a_hang_that_ends_the_heartbeat_comes_back_and_nothing_else(room):
+    room.hang_too_long()
+    room.go_on()
     room.more("heartbeat", BEATS)
     assert room.count("stop") == 1
 
@@ -315,15 +312,10 @@ def test_a_recognizer_that_crashes_stops_the_robot_at_once_and_is_named(room):
     room.hear("tense")
     wait_until(lambda: "hear: no such number" in room.ended, "the node ends with the reason")
     assert room.count("stop") == 1
-    room.more("diagnostics", 1)
-    beats = room.count("heartbeat")
-    room.more("diagnostics", 2)
-    assert room.count("heartbeat") == beats
-    assert room.state() == (
-        DiagnosticStatus.ERROR,
-        "hear: no such number",
-        HearingFault.THREAD_ENDED,
-    )
+    assert room.is_without_heartbeat()
+    level, *named = room.state()
+    assert level == DiagnosticStatus.ERROR
+    assert named == ["hear: no such number", HearingFault.THREAD_ENDED]
 
 
 def test_gaps_that_come_often_end_the_heartbeat_until_they_are_over(room, clock):
@@ -331,9 +323,7 @@ def test_gaps_that_come_often_end_the_heartbeat_until_they_are_over(room, clock)
         room.skip(512)
         room.hear("")
     wait_until(lambda: "torn" in room.state()[1], "the gaps are named")
-    beats = room.count("heartbeat")
-    room.more("diagnostics", 2)
-    assert room.count("heartbeat") == beats
+    assert room.is_without_heartbeat()
     assert room.state()[2] is HearingFault.TORN
     clock.now += 1.1 * CONFIG.audio.deaf_after
     room.hear("")
@@ -343,8 +333,5 @@ def test_gaps_that_come_often_end_the_heartbeat_until_they_are_over(room, clock)
 def test_what_a_topic_says_of_the_clocks_ends_the_heartbeat(room):
     room.node._config = load_voice_config(audio__source="topic")
     room.node._source()._report_clocks("the clock of the sound's host is 1.30 s ahead")
-    room.more("diagnostics", 2)
-    beats = room.count("heartbeat")
-    room.more("diagnostics", 2)
-    assert room.count("heartbeat") == beats
+    assert room.is_without_heartbeat()
     assert room.state()[2] is HearingFault.CLOCKS

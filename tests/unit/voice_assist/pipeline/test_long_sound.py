@@ -26,23 +26,20 @@ def test_partials_grow_and_end_empty():
     assert all(b.startswith(a) for a, b in itertools.pairwise(texts[:-1]))
 
 
-def test_lost_sound_is_reported_and_the_rest_of_a_sentence_does_not_move():
-    pipeline, clock = make()
-    first = frames(say("do not", after=0.0))
-    lost = 4800
-    rest = frames(say("pull more", before=0.05), first[-1].first_sample + 512 + lost)
-    events = run(pipeline, clock, [*first, *rest])
-    assert [e.samples for e in events if isinstance(e, Lost)] == [lost]
-    assert commands(events) == []
-    at = next(i for i, e in enumerate(events) if isinstance(e, Lost))
-    assert events[at - 1] == Partial("", events[at].stamp)  # what was shown is taken back
+LOST = 4800  # samples
 
 
-def test_after_lost_sound_and_quiet_commands_count_again():
-    pipeline, clock = make()
+@pytest.mark.parametrize(("quiet", "taken"), [(0.05, []), (1.0, ["pull more"])])
+def test_lost_sound_is_reported_and_the_rest_of_a_sentence_does_not_move_but_after_quiet(
+    quiet, taken
+):
     first = frames(say("do not", after=0.0))
-    rest = frames(say("pull more", before=1.0), first[-1].first_sample + 512 + 4800)
-    assert commands(run(pipeline, clock, [*first, *rest])) == ["pull more"]
+    rest = frames(say("pull more", before=quiet), first[-1].next_sample + LOST)
+    events = run(*make(), [*first, *rest])
+    assert commands(events) == taken
+    ((at, lost),) = ((i, e) for i, e in enumerate(events) if isinstance(e, Lost))
+    assert lost.samples == LOST
+    assert events[at - 1] == Partial("", lost.stamp)  # what was shown is taken back
 
 
 def test_talk_longer_than_the_limit_is_cut_and_its_rest_does_not_move():
@@ -63,16 +60,14 @@ def noisy(text, before, after):
     """A sentence between clicks so dense that endpointing takes them for speech."""
     click = np.concatenate([say("mumble", 0.0, 0.0)[:1000], np.zeros(600, np.float32)])
     around = [np.tile(click, round(seconds * 10)) for seconds in (before, after)]
-    return np.concatenate([silence(0.5), around[0], say(text, 0.12, 0.12), around[1], silence(1.0)])
+    parts = silence(0.5), around[0], say(text, 0.12, 0.12), around[1], silence(1.0)
+    return frames(np.concatenate(parts).astype(np.float32))
 
 
 @pytest.mark.parametrize("before", [0.5, 1.4, 2.9, 3.3, 7.6, 8.2, 12.0])
 @pytest.mark.parametrize("text", ["stop", "pull more"])
 def test_a_command_between_long_noise_is_heard(text, before):
-    pipeline, clock = make()
-    assert commands(run(pipeline, clock, frames(noisy(text, before, 6.0).astype(np.float32)))) == [
-        text
-    ]
+    assert commands(run(*make(), noisy(text, before, 6.0))) == [text]
 
 
 class Lapsing(FakeRecognizer):
@@ -101,24 +96,17 @@ def test_talk_in_which_one_pass_hears_nothing_stays_one_utterance(words, pause):
     assert len(refusals(events)) == 1
 
 
-def test_long_noise_without_early_decisions_does_nothing():
-    pipeline, clock = make(recognizer__early__is_enabled=False)
-    sound = noisy("", 20.0, 0.0)
-    assert not decisions(run(pipeline, clock, frames(sound.astype(np.float32))))
-
-
-def test_noise_alone_costs_little_and_does_nothing():
+@pytest.mark.parametrize("is_early", [True, False])
+def test_noise_alone_costs_little_and_does_nothing(is_early):
     recognizer = FakeRecognizer()
-    pipeline, clock = make(recognizer=recognizer)
-    sound = noisy("", 20.0, 0.0)
-    assert not decisions(run(pipeline, clock, frames(sound.astype(np.float32))))
-    assert max(recognizer.heard) < 2.2
+    made = make(recognizer=recognizer, recognizer__early__is_enabled=is_early)
+    assert not decisions(run(*made, noisy("", 20.0, 0.0)))
+    assert not is_early or max(recognizer.heard) < 2.2
 
 
 def test_nothing_is_transcribed_in_quiet_or_twice():
     recognizer = FakeRecognizer()
-    pipeline, clock = make(recognizer=recognizer)
-    run(pipeline, clock, frames(say("tense", after=3.0)))
+    run(*make(recognizer=recognizer), frames(say("tense", after=3.0)))
     assert len(recognizer.heard) <= 6  # 3 partials, the pause, its score
 
 

@@ -42,6 +42,10 @@ class Rig:
         self.growth = PartialUtterance(utterance, self.quiet, True, 1.0)
         return self.hearing(self.growth, frame, self.now)
 
+    def hear(self, *lengths):
+        """So many frames of speech, then so many of quiet, and so on; gives the turns."""
+        return [self.feed(n % 2 == 0) for n, many in enumerate(lengths) for _ in range(many)]
+
     @property
     def passes(self):
         return len(self.recognizer.heard)
@@ -49,51 +53,38 @@ class Rig:
 
 def test_passes_are_an_interval_apart_while_there_is_speech():
     rig = Rig()
-    for _ in range(31):
-        rig.feed(True)
+    rig.hear(31)
     assert rig.passes == 10
 
 
-def test_in_the_pause_there_is_one_pass_and_one_turn():
+def test_in_the_pause_there_is_one_pass_and_one_turn_and_none_is_new_at_the_end():
     rig = Rig()
-    turns = [rig.feed(True) for _ in range(4)] + [rig.feed(False) for _ in range(8)]
+    turns = rig.hear(4, 8)
     assert turns[3] and turns[6] and turns[8]
     assert sum(turns) == 3
     assert rig.passes == 2
     assert rig.hearing.is_settled(rig.growth)
-
-
-def test_the_end_of_an_utterance_is_a_turn_without_a_new_pass():
-    rig = Rig()
-    for is_speech in [True] * 4 + [False] * 8:
-        rig.feed(is_speech)
-    passes = rig.passes
     assert rig.feed(False, is_complete=True)
-    assert rig.passes == passes
+    assert rig.passes == 2
 
 
 def test_silence_is_put_behind_the_settled_pass_alone():
     added = load_voice_config(**{**PINNED, "recognizer__early__silence_added": 0.15})
     rig = Rig(added.recognizer.early)
-    for is_speech in [True] * 4 + [False] * 3:
-        rig.feed(is_speech)
-    assert rig.recognizer.heard == [
-        pytest.approx(4 * FRAME, abs=1e-3),
-        pytest.approx(7 * FRAME + 0.15, abs=1e-3),
-    ]
+    rig.hear(4, 3)
+    assert rig.recognizer.heard == pytest.approx([4 * FRAME, 7 * FRAME + 0.15], abs=1e-3)
 
 
 def test_speech_after_a_pause_is_decoded_again():
     rig = Rig()
-    for is_speech in [True] * 4 + [False] * 6 + [True] * 4:
-        rig.feed(is_speech)
+    rig.hear(4, 6, 4)
     assert rig.passes == 4
 
 
 def test_far_behind_the_stream_only_the_pause_is_decoded():
     rig = Rig()
     rig.late = 1.0
-    turns = [rig.feed(is_speech) for is_speech in [True] * 20 + [False] * 8]
+    turns = rig.hear(20, 8)
     assert turns.index(True) == 24 and sum(turns) == 1  # after 0.16 s of quiet
     assert rig.passes == 1
     assert rig.feed(False, is_complete=True)
@@ -102,12 +93,10 @@ def test_far_behind_the_stream_only_the_pause_is_decoded():
 
 def test_what_fell_behind_is_not_decided_on_by_half_of_its_sound():
     rig = Rig()
-    for _ in range(4):
-        rig.feed(True)
+    rig.hear(4)
     rig.late = 1.0
-    turns = [rig.feed(is_speech) for is_speech in [True] * 3 + [False] * 5]
-    assert turns == [False] * 7 + [True]
-    assert rig.recognizer.heard == [pytest.approx(n * FRAME, abs=1e-3) for n in (4, 12)]
+    assert rig.hear(3, 5) == [False] * 7 + [True]
+    assert rig.recognizer.heard == pytest.approx([4 * FRAME, 12 * FRAME], abs=1e-3)
 
 
 def test_long_utterances_are_heard_through_a_window():
@@ -121,33 +110,27 @@ def test_long_utterances_are_heard_through_a_window():
 
 def test_scores_are_computed_once_for_a_pass():
     rig = Rig()
-    for _ in range(4):
-        rig.feed(True)
+    rig.hear(4)
     first = rig.hearing.scores(("tense", "stop"))
     assert rig.hearing.scores(("tense", "stop")) is first
-    for _ in range(4):
-        rig.feed(True)
+    rig.hear(4)
     assert rig.hearing.scores(("tense", "stop")) is not first
 
 
 def test_the_tail_of_a_word_after_a_decision_is_not_decoded():
     rig = Rig()
-    for _ in range(4):
-        rig.feed(True)
+    rig.hear(4)
     rig.hearing.restart(rig.growth)
     passes = rig.passes
-    for is_speech in [True] * 5 + [False] * 6:
-        assert not rig.feed(is_speech)
+    assert not any(rig.hear(5, 6))
     assert rig.passes == passes
-    for _ in range(8):
-        rig.feed(True)
+    rig.hear(8)
     assert rig.passes > passes
 
 
 def test_without_early_decisions_only_the_end_is_decoded():
     rig = Rig(load_voice_config(**PINNED, recognizer__early__is_enabled=False).recognizer.early)
-    turns = [rig.feed(is_speech) for is_speech in [True] * 20 + [False] * 8]
-    assert rig.passes == 0 and not any(turns)
+    assert not any(rig.hear(20, 8)) and rig.passes == 0
     assert rig.feed(False, is_complete=True)
     assert rig.recognizer.heard == [pytest.approx(29 * FRAME, abs=1e-3)]
 
@@ -161,11 +144,9 @@ def test_each_pass_may_ask_what_is_hopeless():
         return Hypothesis("the patient", 0.0, 0.0)
 
     rig.recognizer.transcribe = transcribe
-    rig.hearing = PartialDecoder(
-        rig.recognizer, EARLY, lambda: rig.now, is_hopeless=lambda text: text.startswith("the ")
-    )
-    for _ in range(8):
-        rig.feed(True)
+    begins = lambda text: text.startswith("the ")  # noqa: E731
+    rig.hearing = PartialDecoder(rig.recognizer, EARLY, lambda: rig.now, is_hopeless=begins)
+    rig.hear(8)
     assert asked and all(asked)
 
 
@@ -198,8 +179,7 @@ def test_the_end_of_an_utterance_waits_for_no_slow_model():
         return transcribe(*given)
 
     rig.recognizer.transcribe = slowly
-    for _ in range(4):
-        rig.feed(True)
+    rig.hear(4)
     assert rig.passes == 1
     rig.feed(True)
     assert rig.feed(False, is_complete=True) and rig.passes == 2

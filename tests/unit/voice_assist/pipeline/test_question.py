@@ -5,6 +5,7 @@ import pytest
 
 from tests.unit.voice_assist.support.fake_pipeline import (
     FakeSpotting,
+    actions,
     commands,
     decisions,
     make,
@@ -17,6 +18,8 @@ from voice_assist.types import Ask, Call, Halt, Mode, RejectionReason
 
 CONFIG = load_voice_config().recognizer
 YES = "please"  # of the words that the fake recogniser knows
+ASKS = {"recognizer__ask__is_enabled": True, "recognizer__ask__answer": YES}
+BESIDE = {"moving__refuse_spotter": 1.0, "moving__spotter_alone": 3.0}
 NEARLY = {"pull more": (CONFIG.ask.min_verification + CONFIG.motion_verification) / 2}
 HARDLY = {"pull more": CONFIG.ask.min_verification - 0.1}
 SURELY = {"pull more": CONFIG.motion_verification}
@@ -24,30 +27,22 @@ LIKE_TENSE = {"tense": 20.0}
 
 
 def hear(text, odds=NEARLY, mode=Mode.ACTIVE, is_enabled=True, scores=None, **changes):
-    recognizer = FakeRecognizer(scores, odds=odds)
-    changes |= {"recognizer__ask__is_enabled": is_enabled, "recognizer__ask__answer": YES}
-    pipeline, clock = make(mode, recognizer, **changes)
-    return run(pipeline, clock, frames(say(text)))
-
-
-def actions(events):
-    return [action for decision in decisions(events) for action in decision.actions]
+    changes |= {**ASKS, "recognizer__ask__is_enabled": is_enabled}
+    made = make(mode, FakeRecognizer(scores, odds=odds), **changes)
+    return run(*made, frames(say(text)))
 
 
 def reasons(events):
     return [d.rejection.reason for d in decisions(events) if d.rejection is not None]
 
 
-def test_yes_does_what_was_asked_for():
+def test_yes_does_what_was_asked_for_once():
     events = hear(f"0.3 pull more 1.0 {YES}")
     assert actions(events) == [Ask("pull more"), Call("pull more")]
     asked, answered = decisions(events)
     assert asked.rejection.reason is RejectionReason.NEARLY_SURE
     assert asked.rejection.words.startswith(f'nearly sure; say "{YES}" within 3 s: ')
     assert (answered.command, answered.hypothesis.text) == ("pull more", YES)
-
-
-def test_it_is_done_once():
     assert commands(hear(f"0.3 pull more 1.0 {YES} 0.8 {YES}")) == ["pull more"]
 
 
@@ -65,32 +60,27 @@ def test_after_anything_else_a_yes_does_nothing(other):
     assert heard == ([] if other in ("what", "more") else [other])
 
 
-def test_what_is_nearly_sure_again_is_not_asked_for_again():
+def test_what_is_nearly_sure_again_is_not_asked_for_again_but_later_it_may_be():
     events = hear(f"0.3 pull more 0.8 pull more 0.8 {YES}")
     assert actions(events) == [Ask("pull more")]
     assert reasons(events)[:2] == [RejectionReason.NEARLY_SURE, RejectionReason.UNSURE]
-
-
-def test_later_it_may_be_asked_for_again():
     assert actions(hear("0.3 pull more 4.0 pull more")) == 2 * [Ask("pull more")]
 
 
-def test_what_is_hardly_like_it_is_not_asked_for():
-    events = hear(f"0.3 pull more 0.8 {YES}", HARDLY)
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"odds": HARDLY}, RejectionReason.SOUNDS_LIKE_ANOTHER),
+        ({"mode": Mode.STANDBY}, RejectionReason.WRONG_MODE),
+        ({"is_enabled": False}, RejectionReason.SOUNDS_LIKE_ANOTHER),
+    ],
+)
+def test_what_is_hardly_like_it_is_not_asked_for_and_nothing_in_standby_or_where_none_is(
+    changes, reason
+):
+    events = hear(f"0.3 pull more 0.8 {YES}", **changes)
     assert actions(events) == []
-    assert reasons(events)[0] is RejectionReason.SOUNDS_LIKE_ANOTHER
-
-
-def test_nothing_is_asked_for_in_standby():
-    events = hear(f"0.3 pull more 0.8 {YES}", mode=Mode.STANDBY)
-    assert actions(events) == []
-    assert reasons(events)[0] is RejectionReason.WRONG_MODE
-
-
-def test_where_nothing_is_asked_for_what_is_nearly_sure_is_refused():
-    events = hear(f"0.3 pull more 0.8 {YES}", is_enabled=False)
-    assert actions(events) == []
-    assert reasons(events)[0] is RejectionReason.SOUNDS_LIKE_ANOTHER
+    assert reasons(events)[0] is reason
 
 
 def test_what_is_sure_is_done_at_once():
@@ -126,17 +116,11 @@ def test_what_sounds_less_like_a_motion_is_not_asked_for(said, changes):
     assert actions(events) == []
 
 
-def test_in_standby_what_sounds_almost_like_a_motion_is_no_command():
+def test_what_sounds_almost_like_a_motion_is_asked_for_once_not_in_standby_and_a_stop_stops():
     events = hear("0.3 dense", mode=Mode.STANDBY, scores=LIKE_TENSE)
     assert reasons(events) == [RejectionReason.NO_COMMAND]
-
-
-def test_what_sounds_almost_like_it_again_is_not_asked_for_again():
     events = hear(f"0.3 dense 0.8 dense 0.8 {YES}", scores=LIKE_TENSE)
     assert actions(events) == [Ask("tense")]
-
-
-def test_a_stop_after_what_sounds_almost_like_a_motion_stops():
     assert commands(hear("0.3 dense 0.8 stop", scores=LIKE_TENSE)) == ["stop"]
 
 
@@ -152,13 +136,10 @@ def test_what_is_no_motion_is_never_asked_for(word):
     assert not [action for action in actions(events) if isinstance(action, Ask)]
 
 
-def ask_by_hand(after="0.8"):
-    """A pipeline that has just asked for "pull more", the sound that follows, and what is noted."""
-    noted = []
-    changes = {"recognizer__ask__is_enabled": True, "recognizer__ask__answer": YES}
-    pipeline, clock = make(
-        Mode.ACTIVE, FakeRecognizer(odds=NEARLY), observer=noted.append, **changes
-    )
+def ask_by_hand(after="0.8", **changes):
+    """A pipeline that has just asked for "pull more", what is noted, and lets hear what follows."""
+    noted, recognizer = [], FakeRecognizer(odds=NEARLY)
+    pipeline, clock = make(recognizer=recognizer, observer=noted.append, **ASKS, **changes)
     sound = iter(frames(say(f"0.3 pull more {after} 0.5")))
     while not actions(run(pipeline, clock, [next(sound)])):
         pass
@@ -190,14 +171,11 @@ def test_another_answer_by_hand_than_to_the_question_does_nothing(command):
     assert by_hand(noted) == []
 
 
-def test_an_answer_by_hand_that_comes_late_does_nothing():
+def test_an_answer_by_hand_that_comes_late_or_after_a_change_of_mode_does_nothing():
     pipeline, noted, hear_on = ask_by_hand("4.0")
     hear_on()
     assert pipeline.answer_by_hand("pull more", True) is None
     assert by_hand(noted) == []
-
-
-def test_after_a_change_of_mode_an_answer_by_hand_does_nothing():
     pipeline, _, _ = ask_by_hand()
     pipeline.set_mode(Mode.STANDBY, "test")
     assert pipeline.answer_by_hand("pull more", True) is None
@@ -212,17 +190,15 @@ def test_after_a_change_of_mode_an_answer_by_hand_does_nothing():
         ("0.3 pull more 1.0 pull less", [Ask("pull more"), Ask("pull less")]),
         ("0.3 pull more 0.8 what 0.8 pull more", [Ask("pull more")] * 2),
         ("0.3 pull more 0.8 please", [Ask("pull more"), Call("pull more")]),
+        (
+            "0.3 pull more 1.0 pull more 1.0 pull more",
+            [Ask("pull more"), Call("pull more"), Ask("pull more")],
+        ),
     ],
 )
 def test_where_motions_are_said_twice_the_same_one_again_does_it(said, done):
     events = hear(said, odds=None, is_enabled=False, commands__said_twice=True)
     assert actions(events) == done
-
-
-def test_a_motion_said_three_times_is_done_once():
-    said = "0.3 pull more 1.0 pull more 1.0 pull more"
-    events = hear(said, odds=None, is_enabled=False, commands__said_twice=True)
-    assert actions(events) == [Ask("pull more"), Call("pull more"), Ask("pull more")]
 
 
 @pytest.mark.parametrize("said", ["stop", "terminate", "hey robot"])
@@ -243,19 +219,10 @@ def test_after_a_change_of_mode_at_the_robot_no_answer_does_it():
 
 @pytest.mark.parametrize("score", [0.9, 1.5, 3.5])
 def test_a_stop_beside_the_answer_counts_as_beside_a_motion(score):
-    changes = {
-        "recognizer__ask__is_enabled": True,
-        "recognizer__ask__answer": YES,
-        "moving__refuse_spotter": 1.0,
-        "moving__spotter_alone": 3.0,
-    }
     spotting = FakeSpotting(0.0)
-    pipeline, clock = make(Mode.ACTIVE, FakeRecognizer(odds=NEARLY), spotting=spotting, **changes)
-    sound = iter(frames(say(f"0.3 pull more 0.8 {YES} 0.5")))
-    while not actions(run(pipeline, clock, [next(sound)])):
-        pass
+    _, _, hear_on = ask_by_hand(f"0.8 {YES}", spotting=spotting, **BESIDE)
     spotting.score = score
-    heard = run(pipeline, clock, sound)
+    heard = hear_on()
     if score < 1.0:
         assert commands(heard) == ["pull more"]
     elif score < 3.0:
@@ -268,11 +235,5 @@ def test_a_stop_beside_the_answer_counts_as_beside_a_motion(score):
     ("score", "done"), [(0.9, [Ask("tense")]), (1.5, []), (3.5, [Halt(), Call("stop")])]
 )
 def test_a_stop_beside_what_sounds_almost_like_a_motion_counts_as_beside_one(score, done):
-    changes = {
-        "recognizer__ask__is_enabled": True,
-        "moving__refuse_spotter": 1.0,
-        "moving__spotter_alone": 3.0,
-    }
-    spotting, recognizer = FakeSpotting(score), FakeRecognizer(LIKE_TENSE)
-    pipeline, clock = make(Mode.ACTIVE, recognizer, spotting=spotting, **changes)
-    assert actions(run(pipeline, clock, frames(say("0.3 dense 0.5")))) == done
+    events = hear("0.3 dense 0.5", None, scores=LIKE_TENSE, spotting=FakeSpotting(score), **BESIDE)
+    assert actions(events) == done

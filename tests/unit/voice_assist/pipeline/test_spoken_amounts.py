@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from tests.unit.voice_assist.support.fake_pipeline import commands, decisions, make, run
+from tests.unit.voice_assist.support.fake_pipeline import actions, commands, decisions, make, run
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say
 from voice_assist.types import Ask, Call, Halt, Mode, RejectionReason
 
@@ -35,17 +35,10 @@ def hear(text, recognizer=None, mode=Mode.ACTIVE):
     return run(pipeline, clock, tones(text))
 
 
-def actions(events):
-    return [action for decision in decisions(events) for action in decision.actions]
-
-
-def test_an_amount_is_sent_with_its_command():
+def test_an_amount_is_sent_with_its_command_and_unit():
     events = hear(f"0.3 {TWO}")
     assert commands(events) == [TWO]
     assert actions(events) == [Call("pull more 2 mm")]
-
-
-def test_half_a_newton_is_sent_in_newtons():
     assert actions(hear("0.3 half a newton less")) == [Call("pull less 0.5 N")]
 
 
@@ -75,19 +68,16 @@ def test_a_large_amount_by_hand_is_confirmed_by_its_name():
     assert pipeline.answer_by_hand(THREE, is_yes=True) == (Call("pull more 3 mm"),)
 
 
-def test_an_amount_that_is_none_of_the_slots_does_nothing():
+def test_an_amount_that_is_none_of_the_slots_does_nothing_nor_any_in_standby():
     events = hear("0.3 pull nine millimetres more")
     assert actions(events) == []
     assert decisions(events)[0].rejection.words.startswith("'nine millimetres' is not among")
+    events = hear(f"0.3 {TWO}", mode=Mode.STANDBY)
+    assert actions(events) == []
+    assert decisions(events)[0].rejection.reason is RejectionReason.WRONG_MODE
 
 
 @pytest.mark.parametrize("text", ["pull two stop", f"{TWO} stop", "tension one point stop"])
 def test_stop_within_an_amount_stops(text):
     events = hear(f"0.3 {text}", NumbersHeard(confidence=0.95))
     assert actions(events) == [Halt(), Call("stop")]
-
-
-def test_in_standby_no_amount_counts():
-    events = hear(f"0.3 {TWO}", mode=Mode.STANDBY)
-    assert actions(events) == []
-    assert decisions(events)[0].rejection.reason is RejectionReason.WRONG_MODE

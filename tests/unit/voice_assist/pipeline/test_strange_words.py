@@ -34,10 +34,7 @@ def test_a_motion_of_too_low_odds_is_refused_with_them_and_what_is_allowed(comma
     assert refusal.rejection.reason is RejectionReason.SOUNDS_LIKE_ANOTHER
     found = f"it sounds like another word that is written {command!r}: {TOO_LOW:.1f} nat"
     assert refusal.rejection.words == f"{found}, allowed: at least {LEAST:g}"
-
-
-@pytest.mark.parametrize("command", MOTIONS)
-def test_from_the_least_odds_on_it_is_taken(command):
+    # from the least odds on it is taken
     assert commands(hear(command, recognizer=FakeRecognizer(odds={command: LEAST}))) == [command]
 
 

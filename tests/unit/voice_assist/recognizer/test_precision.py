@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """In which type of number the networks compute, and that what is heard stays the same."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import torch
@@ -24,7 +22,7 @@ in_bfloat16 = pytest.mark.skipif(
 
 
 @pytest.fixture(scope="module")
-def recognizers() -> list[EmbeddedRecognizer]:
+def recognizers():
     checkpoint = read_checkpoint(EMBEDDED_PATH)
     types = (torch.float32, torch.bfloat16)
     return [EmbeddedRecognizer("x", checkpoint, dtype=dtype) for dtype in types]
@@ -43,27 +41,27 @@ def recognizers() -> list[EmbeddedRecognizer]:
 )
 def test_auto_is_bfloat16_where_the_processor_has_it(
     monkeypatch, has_it, device, precision, expected
-) -> None:
+):
     monkeypatch.setattr(torch.cpu, "_is_avx512_bf16_supported", lambda: has_it)
     assert dtype_for(device, precision) == expected
 
 
 @pytest.mark.parametrize(("has_it", "device"), [(False, "cpu"), (True, "cuda")])
-def test_bfloat16_is_refused_where_it_cannot_be_had(monkeypatch, has_it, device) -> None:
+def test_bfloat16_is_refused_where_it_cannot_be_had(monkeypatch, has_it, device):
     monkeypatch.setattr(torch.cpu, "_is_avx512_bf16_supported", lambda: has_it)
     refused = f"precision 'bfloat16' on {device}: .*avx512_bf16; allowed: auto, float32"
     with pytest.raises(ModelError, match=refused):
         dtype_for(device, BFLOAT16)
 
 
-def test_in_float32_it_is_the_network_itself() -> None:
+def test_in_float32_it_is_the_network_itself():
     network = nn.Sequential(nn.Linear(4, 3))
     assert quick(network, torch.float32) is network
 
 
 @in_bfloat16
 @pytest.mark.parametrize("rows", [1, 20, 80, 500])
-def test_a_linear_map_in_bfloat16_rounds_only(rows: int) -> None:
+def test_a_linear_map_in_bfloat16_rounds_only(rows):
     torch.manual_seed(rows)
     network = nn.Sequential(nn.Linear(384, 1536), nn.GELU(), nn.Linear(1536, 384, bias=False))
     twin = quick(network, torch.bfloat16)
@@ -76,7 +74,7 @@ def test_a_linear_map_in_bfloat16_rounds_only(rows: int) -> None:
 
 
 @in_bfloat16
-def test_all_other_weights_are_shared_and_no_linear_map_is_left(recognizers) -> None:
+def test_all_other_weights_are_shared_and_no_linear_map_is_left(recognizers):
     exact, rounded = recognizers
     assert exact.network is exact.model
     own = dict(rounded.model.named_parameters())
@@ -87,7 +85,7 @@ def test_all_other_weights_are_shared_and_no_linear_map_is_left(recognizers) -> 
 
 
 @in_bfloat16
-def test_every_command_is_written_and_scored_the_same(recognizers) -> None:
+def test_every_command_is_written_and_scored_the_same(recognizers):
     for phrase in COMMANDS:
         said = np.pad(speak(phrase, "en-us", 150), 3200).astype(np.float32)
         exact, rounded = (r.transcribe(said) for r in recognizers)
@@ -98,7 +96,7 @@ def test_every_command_is_written_and_scored_the_same(recognizers) -> None:
 
 
 @in_bfloat16
-def test_the_spotter_over_talk_scores_the_same() -> None:
+def test_the_spotter_over_talk_scores_the_same():
     exact, rounded = read_overlap()[0], _over_talk(BFLOAT16)[0]
     word = speak("stop", "en-us", 150)
     windows = [np.pad(word, (WINDOW - len(word) - late, late)) for late in (0, 1600, 8000)]

@@ -22,22 +22,22 @@ def settings():
     return {n: yaml.safe_load((CONFIG_DIR / f"{n}.yaml").read_text()) for n in SECTIONS}
 
 
-def test_recorded_settings_are_active_and_the_device_is_of_this_machine():
-    given = settings()
+@pytest.fixture
+def given():
+    """Recorded settings, for a test to change."""
+    return settings()
+
+
+def test_recorded_settings_are_active_but_for_the_device_and_a_model_that_is_given(given):
     given["audio"]["vad"]["hangover"] = 0.7
     given["recognizer"]["device"] = "cuda"
     config, warnings = restore_settings(given, None)
     assert config.audio.vad.hangover == 0.7 and config.recognizer.device == "cpu"
     assert warnings == ()
+    assert restore_settings(given, "base.en")[0].recognizer.model == "base.en"
 
 
-def test_a_model_may_be_given_in_place_of_the_recorded_one():
-    config, _ = restore_settings(settings(), "base.en")
-    assert config.recognizer.model == "base.en"
-
-
-def test_settings_of_another_version_are_completed_and_said():
-    given = settings()
+def test_settings_of_another_version_are_completed_and_said(given):
     del given["spotter"]["patience"]
     given["audio"]["vad"]["louder"] = True
     config, warnings = restore_settings(given, None)
@@ -62,8 +62,7 @@ def test_settings_recorded_under_their_former_names_are_restored():
     assert restore_settings(given, None) == (CONFIG, ())
 
 
-def test_a_setting_that_is_gone_is_left_out_and_what_came_later_is_off():
-    given = settings()
+def test_a_setting_that_is_gone_is_left_out_and_what_came_later_is_off(given):
     given["commands"]["commands"][0]["halt_score_threshold"] = 1000.0
     del given["moving"]["nearly_said"]
     config, warnings = restore_settings(given, None)
@@ -72,8 +71,9 @@ def test_a_setting_that_is_gone_is_left_out_and_what_came_later_is_off():
 
 
 @pytest.mark.parametrize(("is_enabled", "taken_from"), [(False, 0.5), (True, 2.0)])
-def test_a_recording_that_asked_by_its_former_limits_asks_within_them(is_enabled, taken_from):
-    given = settings()
+def test_a_recording_that_asked_by_its_former_limits_asks_within_them(
+    given, is_enabled, taken_from
+):
     given["recognizer"]["motion_verification"] = 0.5
     ask = given["recognizer"]["ask"] | {"is_enabled": is_enabled, "sure_verification": 2.0}
     del ask["min_verification"], ask["max_distance"]
@@ -98,17 +98,13 @@ def test_without_recorded_settings_those_of_today_are_used_and_said():
         (("spotter", "phrase", "tense"), "spotter.phrase is 'tense'"),
     ],
 )
-def test_settings_that_cannot_be_used_are_an_error(change, words):
+def test_settings_and_notes_that_cannot_be_used_are_an_error(given, change, words):
+    with pytest.raises(NotReplayable, match="is no side input"):
+        replay_pipeline(given, ["nonsense"], None)
     section, key, value = change
-    given = settings()
     given[section][key] = value
     with pytest.raises(NotReplayable, match=words):
         replay_pipeline(given, [], None)
-
-
-def test_a_note_that_is_none_is_an_error():
-    with pytest.raises(NotReplayable, match="is no side input"):
-        replay_pipeline(settings(), ["nonsense"], None)
 
 
 @pytest.mark.parametrize(("length", "rate"), [(511, 16_000), (512, 8_000), (0, 16_000)])
@@ -126,29 +122,28 @@ def test_a_mode_can_be_taken_over_and_nonsense_not():
         replayed.set_mode("asleep", "")
 
 
-def test_a_recording_from_before_precision_is_heard_in_float32():
-    given = settings()
-    del given["recognizer"]["precision"]
-    config, warnings = restore_settings(given, None)
-    assert (config.recognizer.precision, warnings) == ("float32", ())
-
-
 @pytest.mark.parametrize(
-    ("has_it", "expected", "count"), [(True, "bfloat16", 0), (False, "auto", 1)]
+    ("has_it", "recorded", "expected", "count"),
+    [
+        (True, "bfloat16", "bfloat16", 0),
+        (False, "bfloat16", "auto", 1),
+        (True, None, "float32", 0),  # from before there were precisions
+    ],
 )
 def test_the_recorded_precision_is_kept_where_the_processor_has_it(
-    monkeypatch, has_it, expected, count
+    given, monkeypatch, has_it, recorded, expected, count
 ):
     monkeypatch.setattr(torch.cpu, "_is_avx512_bf16_supported", lambda: has_it)
-    given = settings()
-    given["recognizer"]["precision"] = "bfloat16"
+    given["recognizer"]["precision"] = recorded
+    if recorded is None:
+        del given["recognizer"]["precision"]
     config, warnings = restore_settings(given, None)
     assert config.recognizer.precision == expected
     assert len(warnings) == count
     assert all(warning.startswith("confidences may differ a little: ") for warning in warnings)
 
 
-def test_a_folder_of_recordings_loads_its_model_once(monkeypatch):
+def test_a_folder_of_recordings_loads_its_model_once(given, monkeypatch):
     loaded = []
     from voice_assist import recognizer
 
@@ -158,7 +153,6 @@ def test_a_folder_of_recordings_loads_its_model_once(monkeypatch):
 
     monkeypatch.setattr(recognizer, "load_recognizer", load)
     module._english.cache_clear()
-    given = settings()
     given["spotter"]["is_enabled"] = False
     try:
         first, second = replay_pipeline(given, [], None), replay_pipeline(given, [], None)
@@ -167,19 +161,17 @@ def test_a_folder_of_recordings_loads_its_model_once(monkeypatch):
     assert loaded == ["embedded"] and first.model == second.model == "fake"
 
 
-def test_a_session_in_another_language_is_replayed_by_what_heard_it(monkeypatch):
+def test_a_session_in_another_language_is_replayed_by_what_heard_it(given, monkeypatch):
     made = []
     fake = FakeRecognizer()
     monkeypatch.setattr(module, "_of_another_language", lambda config: made.append(config) or fake)
-    given = settings()
     given["spotter"].update(is_enabled=False)
     given["commands"] = load_yaml(CONFIG_DIR / "commands_de.yaml")
     assert replay_pipeline(given, [], None).warnings == ()
     assert [(c.commands.language, c.commands.max_behind) for c in made] == [("de", 20.0)]
 
 
-def test_what_a_recording_in_another_language_lacks_is_taken_from_the_file_of_that_language():
-    given = settings()
+def test_what_a_recording_in_another_language_lacks_is_taken_from_the_file_of_that_language(given):
     given["commands"] = load_yaml(CONFIG_DIR / "commands_ja.yaml")
     del given["commands"]["max_behind"]
     config, warnings = restore_settings(given, None)
@@ -187,15 +179,13 @@ def test_what_a_recording_in_another_language_lacks_is_taken_from_the_file_of_th
     assert warnings == ("setting commands.max_behind was not recorded; today's is 10.0",)
 
 
-def test_a_recording_in_an_unknown_language_is_refused_with_those_there_are():
-    given = settings()
+def test_a_recording_in_an_unknown_language_is_refused_with_those_there_are(given):
     given["commands"]["language"] = "it"
     with pytest.raises(ConfigError, match="'it', allowed: en, de, es, fr, ja"):
         restore_settings(given, None)
 
 
-def test_a_recording_from_before_there_were_languages_is_english_and_said_once():
-    given = settings()
+def test_a_recording_from_before_there_were_languages_is_english_and_said_once(given):
     for key in ("language", "said_twice"):
         del given["commands"][key]
     config, warnings = restore_settings(given, None)

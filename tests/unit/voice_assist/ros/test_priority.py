@@ -39,11 +39,7 @@ def test_what_is_reported_is_what_was_granted_also_to_threads_made_later():
     words, own, later = asked()
     assert own == later
     assert (words == "nice -10") == (own == "-10")
-
-
-@pytest.mark.skipif(not may_go_first(), reason="only root may go first")
-def test_root_goes_first():
-    assert asked()[0] == "nice -10"
+    assert words == "nice -10" or not may_go_first()  # root does
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can become somebody else")

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """While recognition hangs, the spotter's half-belief in a "stop" is enough; else it is not."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from voice_assist.config import load_voice_config
@@ -82,15 +84,15 @@ def test_a_word_that_ended_after_the_work_began_counts_once_the_hang_is_known(wa
     assert seen.spotted == SPOTTER.middle
 
 
-def test_what_recognition_heard_before_it_hung_is_not_judged_again(watched, spotting):
-    spotting.believe(SPOTTER.alone, BEGUN - 0.1)
+@pytest.mark.parametrize(
+    ("score", "since"),
+    [(SPOTTER.alone, BEGUN - 0.1), (SPOTTER.middle - 0.01, BEGUN + 1.01 * LIMIT)],
+)
+def test_what_was_heard_before_the_hang_or_is_half_believed_hardly_counts(
+    watched, spotting, score, since
+):
+    spotting.believe(score, since)
     assert watched.at(hung(watched) + 0.01).spotted is None
-
-
-def test_less_than_half_a_belief_does_not_count(watched, spotting):
-    now = hung(watched)
-    spotting.believe(SPOTTER.middle - 0.01, now)
-    assert watched.at(now + 0.01).spotted is None
 
 
 @pytest.mark.parametrize("since", [None, BEGUN])
@@ -109,12 +111,8 @@ def test_the_end_of_a_hang_is_news_and_the_half_believed_counts_no_more(watched,
     assert watched.at(now + 0.21, since) == RecognitionStatus("", False)
 
 
-def test_without_a_spotter_a_hang_is_reported_and_nothing_is_spotted():
-    watched = Watched(None)
+@pytest.mark.parametrize("spotting", [None, SimpleNamespace(best=lambda since: None)])
+def test_without_a_spotter_that_listens_a_hang_is_reported_and_nothing_is_spotted(spotting):
+    watched = Watched(spotting)
     watched.at(BEGUN)
-    assert watched.at(hung(watched) + 0.1).spotted is None
-
-
-def test_a_spotter_that_does_not_listen_stops_nothing(watched, spotting):
-    spotting.best = lambda since: None
     assert watched.at(hung(watched) + 0.1).spotted is None

@@ -44,12 +44,8 @@ def test_what_is_reported_is_taken_once(topic):
 
 def test_speech_ends_when_no_loudspeaker_is_left_that_speaks(topic):
     taken = []
-    for topic.now, is_speaking, by in (
-        (0.0, True, "/tts"),
-        (2.0, True, "/alarms"),
-        (3.0, False, "/alarms"),
-        (8.0, False, "/tts"),
-    ):
+    begun, over = ((0.0, True, "/tts"), (2.0, True, "/alarms")), ((3.0, False, "/alarms"),)
+    for topic.now, is_speaking, by in (*begun, *over, (8.0, False, "/tts")):
         topic.report(is_speaking, by)
         taken += topic.topic.take()
     assert [(t.is_speaking, t.time) for t in taken] == [(True, 0.0), (True, 2.0), (False, 8.0)]
@@ -75,11 +71,6 @@ def test_however_often_it_is_reported_no_more_than_two_are_left_that_mean_the_sa
     assert len(taken) <= 2
     for spoke in taken:
         left.update(spoke)
-    for at in (
-        0.0,
-        0.3,
-        CONFIG.tail + topic.now,
-        CONFIG.max_duration,
-        CONFIG.max_duration + topic.now,
-    ):
+    ends = CONFIG.tail + topic.now, CONFIG.max_duration, CONFIG.max_duration + topic.now
+    for at in (0.0, 0.3, *ends):
         assert left.is_in(at) == everything.is_in(at)

@@ -46,16 +46,12 @@ def anybody(samples):
 
 
 @pytest.mark.parametrize("phrase", MOTIONS)
-def test_a_motion_in_another_voice_is_refused_by_name(phrase):
+def test_a_motion_in_the_enrolled_voice_moves_and_in_another_it_is_refused_by_name(phrase):
+    (decision,) = decided(phrase, anybody)
+    assert decision.outcome.command == phrase and Call(phrase) in decision.actions
     (decision,) = decided(phrase, nobody)
     assert isinstance(decision.outcome, NoMatch) and decision.outcome.nearest_command == phrase
     assert decision.outcome.rejection.words.startswith("not this voice") and not decision.actions
-
-
-@pytest.mark.parametrize("phrase", MOTIONS)
-def test_a_motion_in_the_enrolled_voice_moves(phrase):
-    (decision,) = decided(phrase, anybody)
-    assert decision.outcome.command == phrase and Call(phrase) in decision.actions
 
 
 @pytest.mark.parametrize("gate", [nobody, ClosedGate("the model is missing")])
@@ -142,17 +138,14 @@ def test_the_share_of_background_voices_let_through_is_what_was_asked_for(cohort
     assert (scores >= known.threshold).mean() == pytest.approx(CONFIG.false_accept, abs=0.005)
 
 
-def test_a_score_that_is_no_number_does_not_pass(cohort):
-    known = replace(print_of(0.0, cohort), threshold=float("nan"))
-    assert SpeakerGate(known, embed_as(0.0), cohort, CONFIG)(frozen_samples(noise(1.0)))
-
-
-def test_a_network_that_raises_refuses(cohort):
+def test_a_score_that_is_no_number_and_a_network_that_raises_refuse(cohort):
     def broken(samples):
         raise RuntimeError("out of memory")
 
-    gate = SpeakerGate(print_of(0.0, cohort), broken, cohort, CONFIG)
-    assert "failed" in gate(frozen_samples(noise(1.0))).words
+    known, sound = print_of(0.0, cohort), frozen_samples(noise(1.0))
+    assert "failed" in SpeakerGate(known, broken, cohort, CONFIG)(sound).words
+    known = replace(known, threshold=float("nan"))
+    assert SpeakerGate(known, embed_as(0.0), cohort, CONFIG)(sound)
 
 
 def test_too_little_speech_is_refused_with_the_limit(cohort):
@@ -161,15 +154,11 @@ def test_too_little_speech_is_refused_with_the_limit(cohort):
     assert "too short" in gate(frozen_samples(np.zeros(RATE))).words
 
 
-def test_a_voice_like_many_others_gets_no_voiceprint(cohort):
+def test_a_voice_like_many_others_and_too_few_takes_give_no_voiceprint(cohort):
     rng = np.random.default_rng(4)
+    anyone = lambda samples: voice(rng.uniform(1, 6), rng)  # noqa: E731
     with pytest.raises(VoiceprintError, match="of its own takes, allowed: up to 25%"):
-        make_voiceprint(
-            [noise(1.0)] * 8, lambda s: voice(rng.uniform(1, 6), rng), cohort, "d", CONFIG
-        )
-
-
-def test_too_few_takes_give_no_voiceprint(cohort):
+        make_voiceprint([noise(1.0)] * 8, anyone, cohort, "d", CONFIG)
     with pytest.raises(VoiceprintError, match=r"3 takes with 3\.0 s of speech"):
         make_voiceprint([noise(1.0)] * 3, embed_as(0.0), cohort, "d", CONFIG)
 
@@ -191,19 +180,15 @@ def test_a_gate_that_is_off_is_none_and_one_without_a_profile_stays_closed():
     assert "cannot be read" in make_gate(CONFIG, b"damaged")(frozen_samples(noise(1.0))).words
 
 
-def test_a_gate_without_its_network_stays_closed(cohort, monkeypatch):
+def test_a_gate_of_another_background_or_without_its_network_stays_closed(cohort, monkeypatch):
     def missing():
         raise ModelError("speaker.pt cannot be read")
 
-    _, digest = read_cohort()
+    known, sound = print_of(0.0, cohort), frozen_samples(noise(1.0))
+    assert "other background voices" in make_gate(CONFIG, known.to_bytes())(sound).words
     monkeypatch.setattr(gates, "VoiceNetwork", missing)
-    data = replace(print_of(0.0, cohort), cohort=digest).to_bytes()
-    assert "speaker.pt" in make_gate(CONFIG, data)(frozen_samples(noise(1.0))).words
-
-
-def test_a_voiceprint_of_another_background_is_refused(cohort):
-    gate = make_gate(CONFIG, print_of(0.0, cohort).to_bytes())
-    assert "other background voices" in gate(frozen_samples(noise(1.0))).words
+    data = replace(known, cohort=read_cohort()[1]).to_bytes()
+    assert "speaker.pt" in make_gate(CONFIG, data)(sound).words
 
 
 # The real network and background.
@@ -236,13 +221,12 @@ def test_several_are_heard_as_one_by_one():
     assert np.abs(one_by_one @ one_by_one.T - np.eye(4)).max() > 1e-3  # they differ
 
 
-def test_the_shipped_background_is_of_many_speakers_and_holds_no_sound():
+def test_the_shipped_background_is_of_many_speakers_without_sound_and_a_damaged_one_refused(
+    tmp_path,
+):
     cohort, digest = read_cohort()
     assert cohort.pieces.shape[0] > 200 and cohort.pieces.shape[1:] == (4, WIDTH)
     assert len(digest) == 64
-
-
-def test_a_damaged_background_is_refused(tmp_path):
     path = tmp_path / "cohort.npz"
     for write in (lambda: None, lambda: path.write_bytes(b"x"), lambda: np.savez(path, pieces=[1])):
         write()

@@ -2,13 +2,12 @@
 import numpy as np
 import pytest
 import torch
-from whisper.model import ModelDimensions
 
 from tests.unit.voice_assist.support.fake_speech import frames
+from tests.unit.voice_assist.support.small_recognizer import TINY, tiny_checkpoint
 from voice_assist.config import load_voice_config
 from voice_assist.errors import ModelError
 from voice_assist.recognizer.checkpoint import read_checkpoint
-from voice_assist.recognizer.whisper_shapes import whisper_shapes
 from voice_assist.spotter.overlap import (
     STEADY,
     STEP,
@@ -24,21 +23,14 @@ from voice_assist.spotter.overlap import (
 from voice_assist.spotter.spotter import Spotter
 from voice_assist.types import RATE
 
-DIMS = {
-    **{"n_mels": 80, "n_audio_ctx": 512, "n_audio_state": 4, "n_audio_head": 2, "n_audio_layer": 3},
-    **{"n_vocab": 51864, "n_text_ctx": 64, "n_text_state": 4, "n_text_head": 2, "n_text_layer": 1},
-}
 CONFIG = load_voice_config().spotter
 
 
 @pytest.fixture(scope="module")
 def encoder(tmp_path_factory):
     """A small recogniser of random weights."""
-    draw = torch.Generator().manual_seed(0)
-    shapes = whisper_shapes(ModelDimensions(**DIMS))
-    state = {name: 0.1 * torch.randn(shape, generator=draw) for name, shape in shapes.items()}
     path = tmp_path_factory.mktemp("encoder") / "encoder.pt"
-    torch.save({"dims": DIMS, "model_state_dict": state}, path)
+    torch.save({"dims": vars(TINY), "model_state_dict": tiny_checkpoint().state}, path)
     return path
 
 

@@ -80,6 +80,11 @@ def decisions(events):
     return [event for event in events if isinstance(event, UtteranceDecision)]
 
 
+def actions(events):
+    """What is to be done."""
+    return [action for decision in decisions(events) for action in decision.actions]
+
+
 def commands(events):
     """Commands that were taken."""
     return [d.outcome.command for d in decisions(events) if isinstance(d.outcome, Match)]

@@ -7,7 +7,7 @@ Each word is one pitch that rises a little.
 import numpy as np
 
 from voice_assist.audio.source import FRAME, Framer
-from voice_assist.types import RATE, Hypothesis, frozen_samples, never_hopeless
+from voice_assist.types import RATE, Frame, Hypothesis, frozen_samples, never_hopeless
 from voice_assist.vad.detector import EnergyDetector
 
 WORDS = (
@@ -97,6 +97,4 @@ def make_detector():
 
 def quiet_frame(first_sample=0, stamp=0.0):
     """One frame of silence."""
-    from voice_assist.types import Frame
-
     return Frame(frozen_samples(np.zeros(FRAME)), first_sample, stamp)

@@ -1,21 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Commands and takes as files hold them, for a test to change."""
 
-from __future__ import annotations
-
-from typing import Any
-
 from voice_assist.config import load_voice_config
 from voice_assist.profile.manifest import COMMAND, Take
 
 
-def command_entries() -> list[dict[str, Any]]:
+def command_entries():
     """The shipped commands, each as an entry of commands.yaml."""
     shipped = load_voice_config().commands.commands
     return [{**vars(command), "spellings": list(command.spellings)} for command in shipped]
 
 
-def take(phrase: str = "tense") -> Take:
+def take(phrase="tense"):
     """A good take of a command."""
     return Take(
         file="takes/0000.wav",

@@ -79,27 +79,16 @@ class FakeReplay(PipelineReplay):
 SAME = ("confidence", "decided_by", "is_partial", "speech_start", "speech_end")
 
 
+def _seen(one, *facts):
+    return (*facts, *(getattr(one, name) for name in SAME))
+
+
 def as_decided(decisions):
     return [
-        {
-            "transcript": d.hypothesis.text,
-            "outcome": d.command or d.rejection.words,
-            "wer": d.outcome.wer,
-            "mode": d.mode.value,
-            **{name: getattr(d, name) for name in SAME},
-        }
+        _seen(d, d.hypothesis.text, d.command or d.rejection.words, d.outcome.wer, d.mode.value)
         for d in decisions
     ]
 
 
 def as_heard(heard):
-    return [
-        {
-            "transcript": h.transcript,
-            "outcome": h.command or h.reason,
-            "wer": h.wer,
-            "mode": h.mode,
-            **{name: getattr(h, name) for name in SAME},
-        }
-        for h in heard
-    ]
+    return [_seen(h, h.transcript, h.command or h.reason, h.wer, h.mode) for h in heard]

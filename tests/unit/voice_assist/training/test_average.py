@@ -2,32 +2,22 @@
 """The mean of checkpoints."""
 
 import sys
+from dataclasses import replace
 
 import pytest
 import torch
-from whisper.model import ModelDimensions
 
+from tests.unit.voice_assist.support.small_recognizer import SMALL, small_model
 from voice_assist.recognizer.checkpoint import read_checkpoint
 from voice_assist.recognizer.embedded import restore
-from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.training.fit import average
 from voice_assist.training.fit.export import export
-
-SMALL = ModelDimensions(80, 512, 32, 2, 2, 51864, 64, 32, 2, 1)
-OTHER = ModelDimensions(80, 512, 32, 2, 1, 51864, 64, 32, 2, 1)
-
-
-def made(seed, dims=SMALL):
-    torch.manual_seed(seed)
-    model = WhisperCtc(dims)
-    model.initialise()
-    return model.eval()
 
 
 def test_every_weight_is_the_mean(tmp_path, monkeypatch):
     paths = [tmp_path / f"{seed}.pt" for seed in range(3)]
     for seed, path in enumerate(paths):
-        export(made(seed), path)
+        export(small_model(seed), path)
     out = tmp_path / "mean.pt"
     monkeypatch.setattr(sys, "argv", ["average", *map(str, paths), "--out", str(out)])
     average.main()
@@ -38,16 +28,13 @@ def test_every_weight_is_the_mean(tmp_path, monkeypatch):
 
 
 def test_a_model_averaged_with_itself_is_itself():
-    weights = made(1).state_dict()
-    for name, weight in average.average([made(1), made(1)]).state_dict().items():
+    weights = small_model(1).state_dict()
+    for name, weight in average.average([small_model(1), small_model(1)]).state_dict().items():
         torch.testing.assert_close(weight, weights[name])
 
 
-def test_models_of_different_shapes_are_refused():
+def test_models_of_different_shapes_and_no_model_are_refused():
     with pytest.raises(ValueError, match=r"different shapes.*n_audio_layer=2.*n_audio_layer=1"):
-        average.average([made(1), made(1, OTHER)])
-
-
-def test_no_model_is_refused():
+        average.average([small_model(1), small_model(1, replace(SMALL, n_audio_layer=1))])
     with pytest.raises(ValueError, match="at least one"):
         average.average([])

@@ -3,39 +3,29 @@
 
 import hashlib
 import re
-import subprocess
 import sys
 
 import pytest
 import whisper
 
 from voice_assist.errors import ModelError
-from voice_assist.training.fit.openai_file import openai_name
+from voice_assist.training.fit.openai_file import main, openai_name
 
 
-def test_a_known_digest_is_named(tmp_path, monkeypatch):
+def test_a_known_digest_is_named_and_a_changed_file_refused(tmp_path, monkeypatch):
     file = tmp_path / "any.pt"
     file.write_bytes(b"weights")
     digest = hashlib.sha256(b"weights").hexdigest()
     monkeypatch.setattr(whisper, "_MODELS", {"huge.en": f"there/{digest}/huge.en.pt"})
     assert openai_name(file) == "huge.en"
-
-
-def test_a_changed_file_is_refused(tmp_path):
-    file = tmp_path / "tiny.en.pt"
     file.write_bytes(b"weights, changed")
     with pytest.raises(ModelError, match=re.escape(f"{file} has the SHA-256 ")):
         openai_name(file)
 
 
-def test_a_missing_file_is_named_in_words(tmp_path):
-    command = [
-        sys.executable,
-        "-m",
-        "voice_assist.training.fit.openai_file",
-        str(tmp_path / "no.pt"),
-    ]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert "no.pt: no such file" in done.stderr
-    assert "Traceback" not in done.stderr
+def test_a_missing_file_is_named_in_words(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["openai_file", str(tmp_path / "no.pt")])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 2
+    assert "no.pt: no such file" in capsys.readouterr().err

@@ -3,28 +3,22 @@
 
 import logging
 import sys
-from functools import cache
 from itertools import repeat
 
-import numpy as np
 import pytest
 import torch
-from whisper.model import ModelDimensions
 
-from tests.unit.voice_assist.support.small_recognizer import SMALL
+from tests.unit.voice_assist.support.small_recognizer import (
+    SMALL,
+    spotter_material,
+    tiny_checkpoint,
+)
 from voice_assist.errors import ModelError
-from voice_assist.recognizer.checkpoint import Checkpoint
-from voice_assist.recognizer.whisper_shapes import whisper_shapes
 from voice_assist.spotter.overlap import write_overlap
-from voice_assist.training.data.noise import Surroundings, build_rooms
-from voice_assist.training.data.synthesis import TrainingClip
 from voice_assist.training.fit import start, train_recognizer
 from voice_assist.training.fit.export import export
 from voice_assist.training.fit.train_recognizer import TrainingRun
 from voice_assist.training.spotter import train_overlap
-from voice_assist.training.spotter.overlap_mixture import arrange
-
-DIMS = ModelDimensions(80, 512, 4, 2, 3, 51864, 64, 4, 2, 1)
 
 
 def options(tmp_path, *more, out="m.pt"):
@@ -58,7 +52,7 @@ def test_a_finished_run_whose_output_is_missing_writes_its_best_point(finished, 
     [
         (("--rate", 3e-4), "rate 0.0015 (now 0.0003)"),
         (("--lesson", "twins", "--seed", 2), "lesson mending (now twins), seed 1 (now 2)"),
-        (("--from", "embedded"), "from nothing (now "),
+        (("--from", "{}/run_m/step_00001.pt"), "from nothing (now "),
         (("--speech", "elsewhere"), "(now "),
     ],
 )
@@ -66,8 +60,9 @@ def test_another_run_of_the_same_name_is_refused_before_its_corpus_is_made(
     finished, tmp_path, monkeypatch, capsys, more, said
 ):
     monkeypatch.setattr(train_recognizer, "load_corpus", lambda *_: pytest.fail("corpus made"))
-    words = ("--cache", tmp_path, "--out", tmp_path / "m.pt", *more)
-    monkeypatch.setattr(sys, "argv", ["train", *map(str, words)])
+    more = [str(word).format(tmp_path) for word in more]
+    places = ("--cache", str(tmp_path), "--out", str(tmp_path / "m.pt"))
+    monkeypatch.setattr(sys, "argv", ["train", *places, *more])
     before = (finished.folder / "progress.pt").read_bytes()
     with pytest.raises(SystemExit) as ended:
         train_recognizer.main()
@@ -105,27 +100,6 @@ def test_progress_of_an_earlier_version_is_refused(finished, tmp_path):
         TrainingRun(options(tmp_path), None)
 
 
-def tone(frequency, seconds=0.4):
-    time = np.arange(int(seconds * 16000)) / 16000
-    return (8000 * np.sin(2 * np.pi * frequency * time)).astype(np.int16)
-
-
-def material(frequency):
-    """People say the word at a pitch."""
-    said = [TrainingClip(tone(frequency), "stop", "word", "x")]
-    others = [TrainingClip(tone(f), text, "word", "x") for text, f in (("up", 3000), ("go", 2500))]
-    rooms = build_rooms((), np.random.default_rng(0), count=3)
-    return arrange(said, said, others, others, Surroundings((), rooms, (tone(200, 4.0),)))
-
-
-@cache
-def checkpoint(sha256):
-    draw = torch.Generator().manual_seed(0)
-    shapes = whisper_shapes(DIMS)
-    state = {name: 0.1 * torch.randn(shape, generator=draw) for name, shape in shapes.items()}
-    return Checkpoint(DIMS, state, None, sha256)
-
-
 @pytest.fixture
 def steps_of(tmp_path, monkeypatch):
     """Trains the spotter over talk for two steps at most; gives how many it took."""
@@ -136,10 +110,10 @@ def steps_of(tmp_path, monkeypatch):
     monkeypatch.setattr(train_overlap, "average", lambda *given: taken.append(given))
 
     def run(more=(), recogniser="a" * 64, pitch=1000):
-        monkeypatch.setattr(train_overlap, "read_checkpoint", lambda _: checkpoint(recogniser))
+        monkeypatch.setattr(train_overlap, "read_checkpoint", lambda _: tiny_checkpoint(recogniser))
         words = ("--cache", tmp_path, "--steps", 2, "--batch", 2, *more)
         taken.clear()
-        train_overlap.train(material(pitch), train_overlap.parse(list(map(str, words))))
+        train_overlap.train(spotter_material(pitch), train_overlap.parse(list(map(str, words))))
         return len(taken)
 
     return run
@@ -167,7 +141,7 @@ def test_the_spotter_over_talk_begins_anew_where_something_else_is_asked_for(
 
 def test_the_spotter_over_talk_begins_anew_from_another_file(steps_of, tmp_path, monkeypatch):
     earlier = tmp_path / "earlier.pt"
-    network = train_overlap.untrained(checkpoint("a" * 64))
+    network = train_overlap.untrained(tiny_checkpoint("a" * 64))
     monkeypatch.setattr(train_overlap, "read_overlap", lambda *_: (network, ""))
     write_overlap(network, "a" * 64, earlier)
     more = ("--from", earlier)

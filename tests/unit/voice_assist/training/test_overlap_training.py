@@ -2,18 +2,13 @@
 import numpy as np
 import pytest
 import torch
-from whisper.model import ModelDimensions
 
-from voice_assist.recognizer.checkpoint import Checkpoint
-from voice_assist.recognizer.whisper_shapes import whisper_shapes
+from tests.unit.voice_assist.support.small_recognizer import spotter_material, tiny_checkpoint
 from voice_assist.spotter.overlap import WINDOW, untrained
 from voice_assist.training.data.kokoro import FOREIGN, NATIVE, plan_words
-from voice_assist.training.data.noise import Surroundings, build_rooms
-from voice_assist.training.data.synthesis import TrainingClip
-from voice_assist.training.spotter.overlap_mixture import arrange, draw
+from voice_assist.training.spotter.overlap_mixture import draw
 from voice_assist.training.spotter.train_overlap import average, freeze, loss_of
 
-DIMS = ModelDimensions(80, 512, 4, 2, 3, 51864, 64, 4, 2, 1)
 HELD_OUT = (
     *("am_eric", "am_onyx", "af_nova", "af_river", "bf_lily", "bm_daniel"),
     *("hf_", "hm_", "if_", "im_", "zf_", "zm_"),
@@ -21,21 +16,9 @@ HELD_OUT = (
 )
 
 
-def tone(frequency, seconds):
-    time = np.arange(int(seconds * 16000)) / 16000
-    return (8000 * np.sin(2 * np.pi * frequency * time)).astype(np.int16)
-
-
-def clip(text, frequency):
-    return TrainingClip(tone(frequency, 0.4), text, "word", "x")
-
-
 @pytest.fixture
 def material():
-    rooms = build_rooms((), np.random.default_rng(0), count=3)
-    around = Surroundings((), rooms, (tone(200, 4.0), tone(300, 3.0)))
-    word = [clip("stop", 1000)]
-    return arrange(word, word, [clip("up", 3000), clip("go", 2500)], [clip("top", 2800)], around)
+    return spotter_material()
 
 
 def test_the_same_seed_draws_the_same_windows(material):
@@ -57,12 +40,8 @@ def test_the_word_is_in_its_frames_and_ends_near_the_end_of_the_window(material)
 
 
 def test_only_the_last_blocks_and_the_head_are_trained(material):
-    draw_ = torch.Generator().manual_seed(0)
-    shapes = whisper_shapes(DIMS)
-    state = {name: 0.1 * torch.randn(shape, generator=draw_) for name, shape in shapes.items()}
     torch.manual_seed(0)
-    checkpoint = Checkpoint(DIMS, state, None, "0" * 64)
-    network, mean = untrained(checkpoint), untrained(checkpoint)
+    network, mean = (untrained(tiny_checkpoint()) for _ in range(2))
     freeze(network)
     loss_of(network, draw(material, 4, np.random.default_rng(5))).backward()
     moved = {name for name, w in network.named_parameters() if w.grad is not None}

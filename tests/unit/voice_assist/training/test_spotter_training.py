@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,13 +16,8 @@ from voice_assist.training.spotter.streams import LabelledStream, Style, noise_s
 from voice_assist.training.spotter.trials import NEVER, SpotterTrial, TrialEvidence
 from voice_assist.types import RATE
 
-CONFIG = load_voice_config(
-    spotter__alone=8.0,
-    spotter__middle=4.0,
-    spotter__agree=1.0,
-    spotter__near=3.0,
-    spotter__sure=0.9,
-).spotter
+RULE = {"alone": 8.0, "middle": 4.0, "agree": 1.0, "near": 3.0, "sure": 0.9}
+CONFIG = replace(load_voice_config().spotter, **RULE)
 
 
 @pytest.mark.parametrize("length", [0, STEP - 1, STEP, 9 * STEP + 5, 30 * STEP])
@@ -33,9 +30,8 @@ def test_several_embeddings_at_once_are_those_one_by_one(length):
         np.testing.assert_array_equal(one, other)
 
 
-def surroundings():
-    rng = np.random.default_rng(0)
-    return Surroundings((), build_rooms((), rng, count=3), ())
+def surroundings(*talkers):
+    return Surroundings((), build_rooms((), np.random.default_rng(0), count=3), talkers)
 
 
 def test_a_word_is_where_its_stream_says():
@@ -55,12 +51,13 @@ def test_a_word_is_where_its_stream_says():
 def test_a_voice_under_the_words_is_there_without_pause_and_as_loud_as_asked():
     tone = (8000 * np.sin(np.arange(8000) * 0.3)).astype(np.int16)
     talker = (5000 * np.sin(np.arange(40000) * 0.05)).astype(np.int16)
-    around = Surroundings((), build_rooms((), np.random.default_rng(0), count=3), (talker,))
     clips = [TrainingClip(tone, "stop", "word", "x")] * 6
     alone = Style(speed=(1.0, 1.0), room=0.0, noise=0.0, gap=(0.3, 0.5))
-    over = Style(speed=(1.0, 1.0), room=0.0, noise=0.0, gap=(0.3, 0.5), talker=1.0, over=(0.0, 0.0))
-    (quiet,) = streams(clips, around, alone, np.random.default_rng(1))
-    (busy,) = streams(clips, around, over, np.random.default_rng(1))
+    over = replace(alone, talker=1.0, over=(0.0, 0.0))
+    (quiet,), (busy,) = (
+        streams(clips, surroundings(talker), style, np.random.default_rng(1))
+        for style in (alone, over)
+    )
     gap = slice(int((busy.words[0][1] + 0.05) * RATE), int((busy.words[1][0] - 0.05) * RATE))
     word = slice(*(int(t * RATE) for t in busy.words[0]))
     assert np.std(quiet.sound[gap]) < 0.1 * np.std(quiet.sound[word])
@@ -77,10 +74,9 @@ def test_noise_has_no_word_and_stays_in_range():
 def test_looks_at_the_end_of_a_word_are_its_own_and_those_around_it_are_nobodys():
     labels = label(LabelledStream(np.zeros(0, np.float32), ((1.0, 1.5),)), 60, 7)
     times = np.array([seconds(step) for step in range(60)])
-    assert set(labels[times < 1.0]) == {NEGATIVE}
-    assert set(labels[(times > 1.05) & (times < 1.45)]) == {IGNORED}
-    assert set(labels[(times > 1.5) & (times < 1.85)]) == {7}
-    assert set(labels[times > 2.45]) == {NEGATIVE}
+    spans = {(-1, 1.0): NEGATIVE, (1.05, 1.45): IGNORED, (1.5, 1.85): 7, (2.45, 99): NEGATIVE}
+    for (after, before), wanted in spans.items():
+        assert set(labels[(times > after) & (times < before)]) == {wanted}
 
 
 def trial(best, heard=(), weight=1.0, seconds=3600.0):
@@ -106,7 +102,7 @@ def test_the_recogniser_alone_ignores_the_spotter_and_the_other_way_round():
     assert [fired_at(t, spotter) is not None for t in both] == [True, False]
 
 
-def test_the_chosen_thresholds_keep_the_rates_and_find_what_both_half_believe():
+def test_the_chosen_thresholds_keep_the_rates_or_are_refused_and_find_what_both_half_believe():
     unsure = TrialEvidence(1.2, 2.0, 0.7, True, True, NEVER)
     said = {"people": [trial(9.0), trial(2.0, [unsure]), trial(9.5)]}
     alone_unsure = TrialEvidence(1.2, -5.0, 0.7, True, True, NEVER)
@@ -115,9 +111,6 @@ def test_the_chosen_thresholds_keep_the_rates_and_find_what_both_half_believe():
     assert fired(said["people"], chosen).found == 3
     assert rule.false_stops(talk, chosen) == 0.0
     assert chosen.alone > 2.5
-
-
-def test_thresholds_that_cannot_be_kept_are_refused():
     sure = [TrialEvidence(1.2, 20.0, 1.0, True, True, NEVER)]
     with pytest.raises(ValueError, match="false stops per hour"):
         choose(CONFIG, {"p": [trial(9.0)]}, {"p": 1.0}, [trial(20.0, sure)] * 3, 0.1, 0.1)

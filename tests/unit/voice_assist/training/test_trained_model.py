@@ -5,11 +5,9 @@ import numpy as np
 import pytest
 import torch
 import whisper
-from whisper.model import ModelDimensions
 
-from tests.unit.voice_assist.support.small_recognizer import small_model, sound
+from tests.unit.voice_assist.support.small_recognizer import small_model, sound, whisper_file
 from voice_assist.errors import ModelError
-from voice_assist.recognizer import load_recognizer
 from voice_assist.recognizer.checkpoint import read_checkpoint
 from voice_assist.recognizer.ctc import best_alignment, greedy_text
 from voice_assist.recognizer.embedded import MAX_ROUNDS, EmbeddedRecognizer, restore
@@ -45,10 +43,15 @@ def exported(model, tmp_path_factory):
     return path
 
 
+def states_of(net, seconds=1.0, seed=0):
+    """What the encoder makes of a sound."""
+    return net.encode(log_mel(torch.from_numpy(sound(seconds, seed))[None]))
+
+
 def test_exported_full_softmax_equals_the_training_softmax(exported):
     full = whisper.load_model(str(exported), device="cpu")
     compact = restore(read_checkpoint(exported)).eval()
-    states = compact.encode(log_mel(torch.from_numpy(sound())[None]))
+    states = states_of(compact)
     ids = [*PROMPT, *encode("stop")]
     whisper_ids = torch.tensor([[WHISPER_IDS[index] for index in ids]])
     wide = full.decoder(whisper_ids, states)[0].log_softmax(-1)
@@ -65,11 +68,6 @@ def test_compact_ids_are_whispers_tokens(is_multilingual, ids):
     characters = [tokenizer.encoding.encode_single_token(c) for c in CHARACTERS]
     special = [tokenizer.eot, tokenizer.sot, tokenizer.no_timestamps, tokenizer.no_speech]
     assert [*characters, *special] == list(ids)
-
-
-def test_exporting_twice_writes_the_same_bytes(model, exported, tmp_path):
-    export(model, tmp_path / "model.pt")
-    assert (tmp_path / "model.pt").read_bytes() == exported.read_bytes()
 
 
 def greedy(net, states, letters):
@@ -89,25 +87,24 @@ def test_draft_and_correction_write_what_greedy_decoding_writes(exported, draft)
     recognizer = EmbeddedRecognizer("x", read_checkpoint(exported))
     with torch.inference_mode():
         for seed in range(2):
-            states = recognizer.network.encode(log_mel(torch.from_numpy(sound(seed=seed))[None]))
+            states = states_of(recognizer.network, seed=seed)
             ids, _ = greedy(recognizer.network, states, MAX_ROUNDS - 1)
             written = recognizer._decode(states, draft, never_hopeless).text
             assert written.startswith(decode(ids).strip())
 
 
-def test_commands_are_greedy_whatever_the_draft():
-    recognizer = load_recognizer("embedded")
+def test_commands_are_greedy_whatever_the_draft(base):
     drafts = ("", "hey robot", "zzzzzzzzzzzz zzzz", "the pull less or more of it")
     said = speak([Prompt(text, "flite", "slt", 1.0, 0.5) for text in texts.COMMANDS])
     with torch.inference_mode():
         for text, samples in zip(texts.COMMANDS, said, strict=True):
             amid_quiet = np.pad(samples.astype(np.float32) / 32768, RATE // 10)
-            states = recognizer._listen(amid_quiet).states
-            ids, has_ended = greedy(recognizer.network, states, MAX_ROUNDS - 1)
+            states = base._listen(amid_quiet).states
+            ids, has_ended = greedy(base.network, states, MAX_ROUNDS - 1)
             assert has_ended
             assert decode(ids) == text
             for draft in drafts:
-                assert recognizer._decode(states, draft, never_hopeless).text == text, draft
+                assert base._decode(states, draft, never_hopeless).text == text, draft
 
 
 def test_a_bad_draft_of_endless_talk_is_read_a_limited_number_of_times(exported, monkeypatch):
@@ -123,7 +120,7 @@ def test_a_bad_draft_of_endless_talk_is_read_a_limited_number_of_times(exported,
 
     monkeypatch.setattr(recognizer.network, "logits", never_agrees)
     with torch.inference_mode():
-        states = recognizer.network.encode(log_mel(torch.from_numpy(sound(2.0))[None]))
+        states = states_of(recognizer.network, 2.0)
         heard = recognizer._decode(states, "ab" * 20, never_hopeless)
     assert len(read) == MAX_ROUNDS
     assert heard.text == "q" * (MAX_ROUNDS - 1) + ("ab" * 20)[MAX_ROUNDS - 1 :]
@@ -131,13 +128,12 @@ def test_a_bad_draft_of_endless_talk_is_read_a_limited_number_of_times(exported,
 
 
 def test_remembered_states_are_read_as_the_states_themselves(model):
+    tokens = torch.tensor([[*PROMPT, *encode("pull more")]])
     with torch.inference_mode():
-        states = model.encode(log_mel(torch.from_numpy(sound())[None]))
-        tokens = torch.tensor([[*PROMPT, *encode("pull more")]])
-        memory = model.remember(states)
+        states = states_of(model)
+        memory, whole = model.remember(states), model.logits(tokens, states)
         for _ in range(2):
-            again = model.logits(tokens, states, memory)
-            torch.testing.assert_close(again, model.logits(tokens, states))
+            torch.testing.assert_close(model.logits(tokens, states, memory), whole)
 
 
 def test_spectrogram_is_whispers_own():
@@ -170,7 +166,7 @@ def test_ctc_likelihoods_rank_what_was_said_first():
 
 def test_batched_decoder_likelihoods_equal_single_ones(model):
     with torch.inference_mode():
-        states = model.encode(log_mel(torch.from_numpy(sound())[None]))
+        states = states_of(model)
         words = ["stop", "pull more", "", "hey robot"]
         together = decoder_likelihoods(model, states, words)
         alone = [decoder_likelihoods(model, states, [word])[0] for word in words]
@@ -188,15 +184,11 @@ def test_no_speech_is_the_first_target_of_silence():
     ("size", "ids_of_letters"), [(51864, WHISPER_IDS), (51865, IDS_BY_SIZE[51865])]
 )
 def test_fine_tuning_starts_from_whispers_weights(tmp_path, size, ids_of_letters):
-    torch.manual_seed(0)
-    dims = ModelDimensions(80, 1500, 32, 2, 2, size, 448, 32, 2, 1)
-    theirs = whisper.model.Whisper(dims).eval()
-    torch.nn.init.normal_(theirs.decoder.positional_embedding)
-    torch.save({"dims": vars(dims), "model_state_dict": theirs.state_dict()}, tmp_path / "w.pt")
+    theirs = whisper_file(tmp_path / "w.pt", n_vocab=size)
     start = start_from(str(tmp_path / "w.pt"))
     assert start.stages == (WRITING, *CONTINUED["mending"])
     ours = start.model.eval()
-    states = ours.encode(log_mel(torch.from_numpy(sound())[None]))
+    states = states_of(ours)
     ids = [*PROMPT, *encode("stop")]
     wide = theirs.decoder(torch.tensor([[ids_of_letters[index] for index in ids]]), states)
     narrow = ours.logits(torch.tensor([ids]), states)
@@ -206,19 +198,13 @@ def test_fine_tuning_starts_from_whispers_weights(tmp_path, size, ids_of_letters
 
 
 def test_fine_tuning_refuses_a_vocabulary_of_another_size(tmp_path):
-    dims = ModelDimensions(80, 1500, 32, 2, 1, 51866, 448, 32, 2, 1)
-    state = whisper.model.Whisper(dims).state_dict()
-    torch.nn.init.normal_(state["decoder.positional_embedding"])  # Whisper leaves it unset
-    torch.save({"dims": vars(dims), "model_state_dict": state}, tmp_path / "w.pt")
+    whisper_file(tmp_path / "w.pt", n_vocab=51866)
     with pytest.raises(ModelError, match="51866 tokens to start from, allowed: 51864, 51865"):
         start_from(str(tmp_path / "w.pt"))
 
 
 def test_fine_tuning_keeps_the_encoder_and_a_short_decoder(tmp_path):
-    dims = ModelDimensions(80, 1500, 32, 2, 3, 51864, 448, 32, 2, 4)
-    theirs = whisper.model.Whisper(dims)
-    torch.nn.init.normal_(theirs.decoder.positional_embedding)
-    torch.save({"dims": vars(dims), "model_state_dict": theirs.state_dict()}, tmp_path / "w.pt")
+    theirs = whisper_file(tmp_path / "w.pt", n_audio_layer=3, n_text_layer=4)
     ours = start_from(str(tmp_path / "w.pt")).model
     assert (ours.dims.n_audio_layer, ours.dims.n_text_layer) == (3, 1)
     first = ours.whisper.decoder.blocks[0].state_dict()
@@ -227,13 +213,16 @@ def test_fine_tuning_keeps_the_encoder_and_a_short_decoder(tmp_path):
 
 
 def test_a_balanced_run_hears_more_commands_than_a_mending_one(exported):
-    stages = start_from(str(exported), "balanced").stages
-    (balanced,), (mending,) = stages, CONTINUED["mending"]
-    share = {id(s): s.weights["command"] / sum(s.weights.values()) for s in (balanced, mending)}
-    assert share[id(balanced)] > share[id(mending)]
+    (stage,), (mending,) = start_from(str(exported), "balanced").stages, CONTINUED["mending"]
+    more, fewer = (s.weights["command"] / sum(s.weights.values()) for s in (stage, mending))
+    assert more > fewer
 
 
-def test_an_exported_checkpoint_is_continued_with_its_ctc_head(model, exported):
+def test_an_exported_checkpoint_is_the_same_each_time_and_continued_with_its_ctc_head(
+    model, exported, tmp_path
+):
+    export(model, tmp_path / "model.pt")
+    assert (tmp_path / "model.pt").read_bytes() == exported.read_bytes()
     start = start_from(str(exported))
     assert start.stages == CONTINUED["mending"]
     for name, weight in model.state_dict().items():

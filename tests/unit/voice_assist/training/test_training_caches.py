@@ -5,6 +5,7 @@ import subprocess
 import sys
 import wave
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -51,18 +52,13 @@ def heard(rows, cache):
     return {clip.text: round(float(clip.samples.mean()), -1) for clip in clips}
 
 
-def test_a_person_whose_split_is_corrected_is_trained_on_no_more(speech, tmp_path):
+def test_a_person_is_trained_on_by_the_newest_split_and_recording(speech, tmp_path):
     before = write_manifest(speech, anna="train", bert="dev")
     assert heard(before, tmp_path / "cache") == {"anna": 1000}
     after = write_manifest(speech, anna="dev", bert="train")
     assert heard(after, tmp_path / "cache") == {"bert": 2000}
-
-
-def test_a_recording_that_was_replaced_is_read_again(speech, tmp_path):
-    rows = write_manifest(speech, anna="train")
-    heard(rows, tmp_path / "cache")
-    write_wav(speech / "anna.wav", 3000)
-    assert heard(rows, tmp_path / "cache") == {"anna": 3000}
+    write_wav(speech / "bert.wav", 3000)
+    assert heard(after, tmp_path / "cache") == {"bert": 3000}
 
 
 def test_embeddings_of_other_recordings_are_computed_anew(speech, tmp_path, monkeypatch):
@@ -105,13 +101,12 @@ def test_the_verifier_learns_from_voices_that_were_installed_since(tmp_path, mon
         monkeypatch.setattr(train_verifier, name, fake)
     monkeypatch.setattr(train_verifier.examples, "save", save)
     monkeypatch.setattr(train_verifier.examples, "load", lambda _: {})
-    places = ["--speech", "absent", "--cache", tmp_path, "--out", tmp_path / "v.pt"]
-    for _ in range(2):
-        train_verifier._run(train_verifier.parse([str(place) for place in places]))
-    assert len(saved) == 1
-    neural.append((sound, "release", "kokoro:b"))
-    train_verifier._run(train_verifier.parse([str(place) for place in places]))
-    assert len(saved) == 2
+    places = "--speech", "absent", "--cache", tmp_path, "--out", tmp_path / "v.pt"
+    options = train_verifier.parse(list(map(str, places)))
+    for installed, so_far in (([], 1), ([], 1), ([(sound, "release", "kokoro:b")], 2)):
+        neural += installed
+        train_verifier._run(options)
+        assert len(saved) == so_far
 
 
 def test_word_times_belong_to_their_clips_and_not_to_their_places(tmp_path, monkeypatch):
@@ -164,14 +159,10 @@ def test_trials_of_other_clips_noises_or_settings_are_run_anew(runner, tmp_path)
 
 def test_trials_that_are_not_written_whole_are_run_again(runner, monkeypatch):
     run, said = runner(), [("a", np.ones(5, np.float32))]
-
-    def crash(*_, **__):
-        raise OSError("no space")
-
-    with monkeypatch.context() as patch:
+    crash = Mock(side_effect=OSError("no space"))
+    with monkeypatch.context() as patch, pytest.raises(OSError, match="no space"):
         patch.setattr("pathlib.Path.replace", crash)
-        with pytest.raises(OSError, match="no space"):
-            run("human", said)
+        run("human", said)
     run("human", said)
     assert len(runner.ran) == 2
 

@@ -34,11 +34,19 @@ def test_a_click_is_no_utterance():
     assert ends[-1].state is SpeechState.QUIET
 
 
-def test_speech_starts_after_its_least_length_and_ends_after_the_hangover():
-    ends = analyze([0.9] * 5 + [0.0] * 12)
+@pytest.mark.parametrize(
+    ("probabilities", "end"),
+    [
+        ([0.9] * 5 + [0.0] * 12, 5 + 9),  # after the hangover
+        ([0.9] * 3 + [0.3] * 20, None),  # the lower threshold holds it
+    ],
+)
+def test_speech_starts_after_its_least_length_and_ends_after_the_hangover(probabilities, end):
+    ends = analyze(probabilities)
     assert [e.is_start for e in ends].index(True) == 1
-    assert [e.is_end for e in ends].index(True) == 5 + 9
-    assert ends[14].state is SpeechState.QUIET
+    assert [n for n, e in enumerate(ends) if e.is_end] == ([] if end is None else [end])
+    assert all(e.state is SpeechState.SPEAKING for e in ends[2:]) is (end is None)
+    assert end is None or ends[end].state is SpeechState.QUIET
 
 
 def test_a_short_pause_does_not_end_an_utterance():
@@ -50,37 +58,27 @@ def test_a_short_pause_does_not_end_an_utterance():
     assert ends[10].quiet == 0.0
 
 
-def test_within_speech_the_lower_threshold_holds_it():
-    ends = analyze([0.9] * 3 + [0.3] * 20)
-    assert all(e.state is SpeechState.SPEAKING for e in ends[2:])
-
-
 def test_the_lower_threshold_does_not_start_speech():
     assert all(e.state is SpeechState.QUIET for e in analyze([0.4] * 20))
 
 
 FAINT = load_voice_config(
-    audio__vad__start=0.2,
-    audio__vad__stop=0.35,
-    audio__vad__resume=0.4,
-    audio__vad__hangover=0.32,
+    audio__vad__start=0.2, audio__vad__stop=0.35, audio__vad__resume=0.4, audio__vad__hangover=0.32
 ).audio.vad
 
 
-def test_faint_speech_is_held_by_its_own_measure_and_ends_by_it():
-    ends = analyze([0.3] * 3 + [0.12] * 20 + [0.09] * 12, FAINT)
-    assert all(e.state is SpeechState.SPEAKING for e in ends[2:23])
-    assert [e.is_end for e in ends].index(True) == 23 + 9
-
-
-def test_clear_speech_is_not_held_by_what_would_hold_faint_speech():
-    ends = analyze([0.9] * 3 + [0.3] * 12, FAINT)
-    assert [e.is_end for e in ends].index(True) == 3 + 9
-
-
-def test_speech_that_became_clear_is_measured_by_its_highest_probability():
-    ends = analyze([0.3] * 3 + [0.9] + [0.3] * 12, FAINT)
-    assert [e.is_end for e in ends].index(True) == 4 + 9
+@pytest.mark.parametrize(
+    ("probabilities", "end"),
+    [
+        ([0.3] * 3 + [0.12] * 20 + [0.09] * 12, 23 + 9),  # held by its own measure, and ends by it
+        ([0.9] * 3 + [0.3] * 12, 3 + 9),  # clear speech is not held by what holds faint speech
+        ([0.3] * 3 + [0.9] + [0.3] * 12, 4 + 9),  # it became clear
+    ],
+)
+def test_speech_is_held_by_a_share_of_its_highest_probability(probabilities, end):
+    ends = analyze(probabilities, FAINT)
+    assert [e.is_end for e in ends].index(True) == end
+    assert all(e.state is SpeechState.SPEAKING for e in ends[2 : end - 9])
 
 
 def test_one_sure_frame_and_fainter_ones_are_speech():
@@ -93,12 +91,9 @@ def test_an_utterance_is_not_measured_by_the_one_before_it():
     assert all(e.state is SpeechState.SPEAKING for e in ends[-20:])
 
 
-def test_the_highest_probability_of_an_utterance_is_given():
+def test_the_highest_probability_of_an_utterance_and_the_time_since_its_begin_are_given():
     ends = analyze([0.9] * 3 + [0.0] * 12 + [0.2, 0.7, 0.6, 0.8], FAINT)
     assert [e.clearness for e in ends[-4:]] == [0.2, 0.7, 0.7, 0.8]
-
-
-def test_time_since_the_first_speech_is_counted():
     ends = analyze([0.0] * 3 + [0.9] * 5)
     assert ends[-1].spoken == pytest.approx(5 * FRAME)
 
@@ -116,13 +111,16 @@ def test_starts_and_ends_take_turns(probabilities):
         assert inside == (end.state in (SpeechState.SPEAKING, SpeechState.STOPPING))
 
 
-def cut(sound, config=CONFIG):
-    cutter, analyzer, detector = Segmenter(config), Endpointer(config), EnergyDetector(12.0)
-    return [g for f in frames(sound) if (g := cutter(f, analyzer(detector(f.samples), f.duration)))]
+def cut(sound, cutter=None):
+    """How an utterance grows."""
+    cutter, analyzer, detector = cutter or Segmenter(CONFIG), Endpointer(CONFIG), EnergyDetector(12)
+    for frame in frames(sound):
+        if growth := cutter(frame, analyzer(detector(frame.samples), frame.duration)):
+            yield growth
 
 
 def test_an_utterance_grows_to_its_end_and_holds_what_was_before_it():
-    growths = cut(say("tense"))
+    growths = list(cut(say("tense")))
     lengths = [len(g.utterance.samples) for g in growths]
     assert lengths == sorted(lengths)
     assert [g.utterance.is_complete for g in growths] == [False] * (len(growths) - 1) + [True]
@@ -133,13 +131,14 @@ def test_an_utterance_grows_to_its_end_and_holds_what_was_before_it():
 
 def test_the_sound_of_an_utterance_is_that_of_the_stream():
     sound = say("tense")
-    heard = cut(sound)[-1].utterance.samples
+    *_, whole = cut(sound)
+    heard = whole.utterance.samples
     start = int(np.argmax(np.convolve(sound, heard[::-1], "valid")))
     np.testing.assert_allclose(heard, sound[start : start + len(heard)], atol=2e-5)
 
 
 def test_talk_without_end_is_cut_and_its_rest_is_not_whole():
-    growths = cut(say("tense " * 20))
+    growths = list(cut(say("tense " * 20)))
     complete = [g for g in growths if g.utterance.is_complete]
     assert len(complete) >= 2
     assert [g.is_whole for g in complete] == [True] + [False] * (len(complete) - 1)
@@ -147,17 +146,13 @@ def test_talk_without_end_is_cut_and_its_rest_is_not_whole():
 
 
 def test_after_a_restart_only_the_rest_is_left():
-    cutter, analyzer, detector = Segmenter(CONFIG), Endpointer(CONFIG), EnergyDetector(12.0)
-    sizes = []
-    for f in frames(say("tense")):
-        growth = cutter(f, analyzer(detector(f.samples), f.duration))
-        if growth and not sizes:
-            cutter.restart(keep=0.064)
-            sizes.append(0)
-        elif growth:
-            assert not growth.is_whole
-            sizes.append(len(growth.utterance.samples))
-    assert sizes[1] == 3 * 512
+    cutter = Segmenter(CONFIG)
+    growths = cut(say("tense"), cutter)
+    next(growths)
+    cutter.restart(keep=0.064)
+    first, *rest = growths
+    assert len(first.utterance.samples) == 3 * 512
+    assert not any(growth.is_whole for growth in (first, *rest))
 
 
 def test_the_newest_part_of_sound():
@@ -166,11 +161,14 @@ def test_the_newest_part_of_sound():
     assert len(last(samples, 9.0)) == RATE
 
 
-def test_energy_takes_a_loud_burst_for_speech_and_a_quiet_room_for_none():
+@pytest.mark.parametrize("others", [(), (EnergyDetector(60.0),)])
+def test_energy_takes_a_loud_burst_for_speech_and_a_quiet_room_for_none(others):
     detector = EnergyDetector(9.0)
+    detector = EitherDetector(*others, detector) if others else detector  # the surer counts
     sure = [detector(f.samples) for f in frames(say("tense"))]
     assert max(sure) > 0.99
     assert sure[0] < 0.1 and sure[-1] < 0.1
+    detector.reset()
 
 
 def test_energy_gets_used_to_a_steady_fan():
@@ -179,13 +177,6 @@ def test_energy_gets_used_to_a_steady_fan():
     sure = [detector(f.samples) for f in frames(np.r_[silence(1.0), fan].astype(np.float32))]
     assert sure[40] > 0.9
     assert max(sure[-50:]) < 0.1
-
-
-def test_either_takes_the_surer_detector():
-    low, high = EnergyDetector(60.0), EnergyDetector(9.0)
-    both = EitherDetector(low, high)
-    assert max(both(f.samples) for f in frames(say("tense"))) > 0.99
-    both.reset()
 
 
 def test_silero_hears_no_speech_in_noise_and_keeps_the_threads_of_torch():

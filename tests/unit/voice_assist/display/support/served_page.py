@@ -6,6 +6,7 @@ import json
 
 from aiohttp import ClientSession, ClientTimeout, TCPConnector
 
+from support.browser import Browser
 from support.waiting import PATIENCE
 from tests.unit.voice_assist.display.support.theatre import TOKEN, make_server
 from voice_assist.display.http_rules import HEADERS
@@ -26,6 +27,18 @@ def run(act, **settings):
             return await act(server, session)
 
     return asyncio.run(inner())
+
+
+def use_page(use, theatre=None, script="", **settings):
+    """Let `use(browser, server)` use a page that is open; a script runs before its own ones."""
+
+    async def inner():
+        async with make_server(theatre, **settings) as server, Browser() as browser:
+            await browser.send("Page.addScriptToEvaluateOnNewDocument", source=script)
+            await browser.open(server.address)
+            await use(browser, server)
+
+    asyncio.run(inner())
 
 
 def assert_strict(headers):
