@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A 6-DoF arm with a longer shaft: the same code, by its URDF and settings alone."""
 
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -10,6 +9,7 @@ import pytest
 from bench.motion.bullet.robot import BulletRobot
 from bench.motion.paths import by_bullet, by_kdl, random_paths, shaft_error
 from rst_control.assembly import make_trocar_context
+from rst_control.config import SimulationConfig
 from rst_control.description.facts import load_facts
 from rst_control.description.urdf_writer import urdf_text
 from rst_control.errors import RobotModelError
@@ -17,13 +17,15 @@ from rst_control.kinematics import forward, manipulability
 from rst_control.kinematics.configuration import Configuration, robot_joints
 from rst_control.kinematics.robot_model import parse_robot
 from rst_control.planning.planner import Planner
+from rst_control.simulation.pybullet_robot import PybulletRobot
 from rst_control.trajectory.motion_profile import MotionProfile
 from rst_control.types import PathState
-from tests.property.six_joints import EXAMPLE, URDF, example
+from tests.property.six_joints import EXAMPLE, URDF, example, settings_of
+from tests.support.changed_settings import planner_with
 from tests.support.jacobians import differences, rcm_jacobian_at
 from tests.unit.rst_control.support.executor_rig import Rig
 
-PATHS = 100
+PATHS = 40
 MOST_ERROR = 1e-6  # [m]
 LACKING = 6  # number in q of the joint that the arm does not have
 
@@ -56,11 +58,9 @@ def test_a_joint_that_is_fixed_without_saying_so_is_refused():
 
 
 def test_more_of_the_shaft_than_there_is_cannot_be_asked_for(planner):
-    rcm = replace(planner.config.rcm, insertion=(0.05, 0.40))
-    with pytest.raises(
-        RobotModelError, match=r"rcm.insertion up to 0.4 m, allowed: the shaft, 0.36"
-    ):
-        Planner(planner.model, replace(planner.config, rcm=rcm))
+    words = r"rcm.insertion up to 0.4 m, allowed: the shaft, 0.36"
+    with pytest.raises(RobotModelError, match=words):
+        planner_with(planner, rcm={"insertion": (0.05, 0.40)})
 
 
 def test_the_lacking_joint_moves_nothing_and_has_no_column(planner):
@@ -116,7 +116,7 @@ def test_all_commands_are_carried_out_in_the_trocar(planner):
     config, model = example()
     rig, tensions = Rig(config=config, context=make_trocar_context(config, model)).awake(), []
     for words in ("tense", "pull more", "pull less", "release"):
-        rig.finish_long(words)
+        rig.finish(words)
         tensions.append(rig.robot.measured_js().tension)
     assert tensions[0] == pytest.approx(config.controller.tension.initial, abs=0.03)
     assert tensions[1] > tensions[0] + 0.2
@@ -126,6 +126,19 @@ def test_all_commands_are_carried_out_in_the_trocar(planner):
     assert len(sent) > 1000
     assert max(shaft_error(kdl(q), planner.trocar) for q in sent[::5]) <= MOST_ERROR
     assert {float(q[LACKING]) for q in sent} == {0.0}
+
+
+def test_it_is_simulated_from_its_own_urdf_and_holds():
+    config = settings_of(SimulationConfig, ("limits", "scene", "simulator", "plant"))
+    home = Configuration(example()[1], np.array(config.scene.home))
+    with PybulletRobot(config, URDF) as robot:
+        robot.advance(until=0.5)
+        assert not robot.fault
+        np.testing.assert_allclose(robot.reading.position[:9], config.scene.home, atol=1e-6)
+        assert robot.reading.position[LACKING] == 0.0
+        first, last = robot.shaft()
+    np.testing.assert_allclose(first, home.frames[forward.SHAFT, :, 3], atol=1e-6)
+    np.testing.assert_allclose(last, home.frames[forward.PITCH, :, 3], atol=1e-6)
 
 
 def test_frames_of_joints_that_turn_are_rotations(planner):

@@ -14,7 +14,7 @@ MOTION, SIMULATION = load_motion_config(), load_simulation_config()
 
 def test_shaft_and_tip_keep_their_course_under_a_load():
     """Where the tool's joints are truly elsewhere, the tip moves, but the shaft does not."""
-    figures = {figure.name: figure for figure in executed.measure(MOTION, SIMULATION, legs=2)}
+    figures = {figure.name: figure for figure in executed.measure(MOTION, SIMULATION, legs=1)}
     assert sum(figure.target is not None for figure in figures.values()) >= 9
     assert all(figure.is_met is not False for figure in figures.values()), figures
     for speed in (20, 50):

@@ -24,10 +24,12 @@ def rig():
 
 def test_eight_directions_and_closer_and_back_with_the_shaft_in_the_trocar(rig):
     run, start = InsertionRun(rig), rig.executor.snapshot.setpoint
+    done = set()
     for phrase, step in STEPS.items():
-        if phrase != "look wider":
+        if phrase not in done:  # as the way back of another
             run.finish(phrase)
             run.finish(OPPOSITE[step])
+            done |= {phrase, OPPOSITE[step]}
     assert run.failure == "" and run.phases == {"look", "hold"}
     assert 0.0 < run.error < WORST
     print(f"largest RCM error: {run.error * 1e6:.2f} um")

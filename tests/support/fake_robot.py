@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
@@ -49,12 +48,11 @@ class LinearSpring:
 
 
 class FakeRobot:
-    """A RobotBackend that reaches each set-point at once, or with a first-order lag.
+    """A RobotBackend that reaches each set-point at once.
 
     Args:
         position: Joints at the start [rad]. Shape (10,).
         clock: Present time [s].
-        lag: Time constant of its answer [s]; 0: at once.
         tissue: What the jaws hold when they close; None: nothing.
     """
 
@@ -62,43 +60,29 @@ class FakeRobot:
         self,
         position: Vector,
         clock: Callable[[], float],
-        lag: float = 0.0,
         tissue: LinearSpring | None = None,
     ) -> None:
-        self._clock, self._lag, self.tissue = clock, lag, tissue
+        self._clock, self.tissue = clock, tissue
         self._position = np.array(position, dtype=float)
         self._velocity = np.zeros(JOINT_COUNT)
-        self._goal = self._position.copy()
-        self._updated = clock()
         self._frozen: Measurement | None = None
-        self.setpoints: list[Setpoint] = []  # all that were sent, in order
-        self.hold_count, self.clear_count = 0, 0
+        self.clear_count = 0
         self.fault, self.is_connected = "", True
         self.sent_to: Vector | None = None  # where it says that it holds
         self.clears_fault = True  # whether `clear_fault` has an effect
 
     def measured_js(self) -> Measurement:
         """Present joint states; the frozen ones while frozen."""
-        if self._frozen is not None:
-            return self._frozen
-        self._update()
-        return self._measurement()
+        return self._measurement() if self._frozen is None else self._frozen
 
     def servo_jp(self, setpoint: Setpoint) -> None:
         """Go to a set-point, unless a fault is latched."""
-        self.setpoints.append(setpoint)
-        if self.fault:
-            return
-        self._update()
-        self._goal, self._velocity = setpoint.position.copy(), setpoint.velocity.copy()
-        if self._lag == 0.0:
-            self._position = self._goal.copy()
+        if not self.fault:
+            self._position, self._velocity = setpoint.position.copy(), setpoint.velocity.copy()
 
     def hold(self) -> None:
         """Stay where it is."""
-        self._update()
-        self.hold_count += 1
-        self._goal, self._velocity = self._position.copy(), np.zeros(JOINT_COUNT)
+        self._velocity = np.zeros(JOINT_COUNT)
 
     def clear_fault(self) -> None:
         """Take set-points again, if `clears_fault` says so."""
@@ -117,13 +101,6 @@ class FakeRobot:
     def push(self, offset: Vector) -> None:
         """Move the joints off their course [rad]. Shape (10,)."""
         self._position = self._position + offset
-
-    def _update(self) -> None:
-        now = self._clock()
-        if self._lag > 0.0:
-            share = 1.0 - math.exp(-(now - self._updated) / self._lag)
-            self._position = self._position + share * (self._goal - self._position)
-        self._updated = now
 
     def _measurement(self) -> Measurement:
         force = np.zeros(3) if self.tissue is None else self.tissue.force(self._position)

@@ -8,6 +8,7 @@ from rst_control.commands.verifier import Verifier
 from rst_control.config import load_motion_config
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.kinematics.robot_model import load_robot
+from rst_control.planning.insertion import Insertion
 from rst_control.planning.planner import Planner
 
 
@@ -34,6 +35,12 @@ def home(motion_config):
 @pytest.fixture(scope="session")
 def verify(planner):
     return Verifier(planner)
+
+
+@pytest.fixture(scope="session")
+def gate(planner, home):
+    """Joints outside the trocar where an insertion begins and a withdrawal ends."""
+    return Insertion(planner).withdraw(home)[-1].path.end
 
 
 @pytest.fixture

@@ -9,7 +9,6 @@ import pytest
 from rst_control.admission.homing_gate import VALID_FOR, HomingGate
 from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.kinematics.configuration import robot_joints
-from rst_control.planning.insertion import Insertion
 from rst_control.types import ControllerMode, Measurement, State
 
 STILL = np.zeros(10)
@@ -31,14 +30,8 @@ class Table:
 
 
 @pytest.fixture
-def outside(planner, home):
-    """Joints with the tool withdrawn to its standoff [rad]."""
-    return Insertion(planner).withdraw(home)[-1].path.end
-
-
-@pytest.fixture
-def table(motion_config, planner, outside):
-    return Table(motion_config.controller, planner, outside)
+def table(motion_config, planner, gate):
+    return Table(motion_config.controller, planner, gate)
 
 
 def test_outside_at_rest_with_empty_jaws_it_may_be_homed(table):
@@ -84,8 +77,8 @@ def test_in_air_the_shaft_may_be_at_the_trocars_point_and_nothing_else(
     assert table.ask()
 
 
-def test_in_a_dry_run_it_is_confirmed_each_time(motion_config, planner, outside):
-    table = Table(replace(motion_config.controller, first_motion="confirmed"), planner, outside)
+def test_in_a_dry_run_it_is_confirmed_each_time(motion_config, planner, gate):
+    table = Table(replace(motion_config.controller, first_motion="confirmed"), planner, gate)
     assert not table.gate.confirm()
     assert "rst_control/confirm" in table.ask()
     assert table.gate.confirm() and not table.gate.confirm()
@@ -99,9 +92,9 @@ def test_in_a_dry_run_it_is_confirmed_each_time(motion_config, planner, outside)
 
 
 def test_what_was_asked_long_ago_or_before_something_else_was_shown_is_not_confirmed(
-    motion_config, planner, outside
+    motion_config, planner, gate
 ):
-    table = Table(replace(motion_config.controller, first_motion="confirmed"), planner, outside)
+    table = Table(replace(motion_config.controller, first_motion="confirmed"), planner, gate)
     table.ask()
     table.now += VALID_FOR + 1.0
     assert not table.gate.confirm()

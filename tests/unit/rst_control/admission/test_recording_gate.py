@@ -187,7 +187,7 @@ def test_a_motion_under_way_is_finished_and_the_next_is_refused():
     assert rig.executor.events[-1].kind == "motion_finished"
     refusal = rig.refused("pull more")
     assert refusal.startswith("not recorded: /recorder: disk full; still allowed")
-    assert rig.executor.snapshot.last_refusal.words == refusal
+    assert rig.view.last_refusal.words == refusal
     rig.record("")
     rig.finish("pull more")
 
@@ -196,13 +196,13 @@ def test_tissue_that_is_held_can_be_eased_and_let_go_unrecorded():
     rig = RecordedRig().awake()
     rig.finish("tense")
     rig.record("disk full")
-    tension = rig.executor.snapshot.tension
+    tension = rig.view.tension
     pending = rig.say("pull less")
     rig.until(pending.ended.done)
     assert "not recorded: /recorder: disk full" in pending.reply.result(0).message
-    assert rig.executor.snapshot.tension < tension - 0.1
+    assert rig.view.tension < tension - 0.1
     rig.finish("release")
-    assert not rig.executor.snapshot.is_tissue_held
+    assert not rig.view.is_tissue_held
     assert "not recorded" in rig.refused("tense")
 
 
@@ -226,14 +226,14 @@ def test_a_nearer_reason_comes_first():
 def test_with_the_setting_stop_a_pull_brakes_and_a_release_is_finished():
     rig = RecordedRig("stop").awake()
     rig.say("tense")
-    rig.until(lambda: rig.executor.snapshot.tension > 0.2)
+    rig.until(lambda: rig.view.tension > 0.2)
     rig.record("disk full")
     rig.until(lambda: rig.state is State.HALTED)
-    assert rig.executor.snapshot.mode.reason == "not recorded: /recorder: disk full"
-    assert rig.executor.snapshot.is_tissue_held, "a stop keeps the grip"
+    assert rig.view.mode.reason == "not recorded: /recorder: disk full"
+    assert rig.view.is_tissue_held, "a stop keeps the grip"
     rig.say("hey robot")
     rig.finish("release")
-    assert rig.state is State.ACTIVE and not rig.executor.snapshot.is_tissue_held
+    assert rig.state is State.ACTIVE and not rig.view.is_tissue_held
 
 
 def test_where_it_is_ignored_the_robot_works_as_ever():

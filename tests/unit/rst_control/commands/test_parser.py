@@ -15,7 +15,13 @@ def test_a_request_carries_the_command_and_its_amounts():
     assert (request.tension, request.distance) == (0.5, 0.002)
 
 
-@pytest.mark.parametrize("words", ["", "pull", "tense tense", "don't pull more", "stop it"])
+@pytest.mark.parametrize(
+    "words",
+    [
+        *("", "pull", "tense tense", "don't pull more", "stop it"),
+        *("look", "look sideways", "left", "look left right", "don't look left"),
+    ],
+)
 def test_other_words_are_refused_and_the_known_ones_listed(words):
     refusal = read_request(words)
     assert isinstance(refusal, Rejected) and refusal.reason is Reason.UNKNOWN_COMMAND

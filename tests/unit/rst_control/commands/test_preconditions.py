@@ -63,16 +63,14 @@ def test_while_the_robot_brakes_to_be_active_again_a_motion_waits_until_it_rests
 
 
 def test_a_shaft_measured_off_the_trocar_is_refused_with_the_distance(conditions, home):
-    off = home.copy()
-    off[3] += 0.01
+    off = home + 0.01 * np.eye(9)[3]
     refusal = conditions.refusal(COMMANDS["tense"], situation(robot_joints(off, 0.0)))
     assert refusal.reason is Reason.RCM_TOLERANCE
     assert "allowed 1000.00 um" in refusal.words
 
 
 def test_jaws_that_hold_tissue_may_be_opened_with_the_shaft_off_the_trocar(conditions, home):
-    off = home.copy()
-    off[3] += 0.01
+    off = home + 0.01 * np.eye(9)[3]
     holding = situation(robot_joints(off, 0.0), gripped=True)
     assert conditions.refusal(COMMANDS["release"], holding) is None
     for words in ("pull more", "pull less"):

@@ -9,26 +9,28 @@ import pytest
 from rst_control.commands.request import Accepted
 from rst_control.commands.verifier import Verifier
 from rst_control.kinematics.configuration import robot_joints
-from rst_control.planning.planner import Planner
 from rst_control.supervision.tension_trust import about_gain
 from rst_control.types import Reason, Rejected
+from tests.support.changed_settings import changed, planner_with
 from tests.unit.rst_control.support.situations import request, situation
 
 WHY = "torques fit no pull"
 
 
-@pytest.fixture(scope="module")
-def blind(motion_config):
-    """A verifier for a robot that measures no tension, and its settings of tension."""
-    tension = replace(motion_config.controller.tension, source="none", blind_stiffness=200.0)
-    controller = replace(motion_config.controller, tension=tension)
-    config = replace(motion_config, controller=controller)
-    return config
+def with_tension(planner, **tension):
+    return Verifier(planner_with(planner, tension=tension))
 
 
 @pytest.fixture(scope="module")
-def verify(blind, robot):
-    return Verifier(Planner(robot, blind))
+def trusted(planner):
+    """A verifier for a robot that measures the tension."""
+    return Verifier(planner)
+
+
+@pytest.fixture(scope="module")
+def verify(planner):
+    """A verifier for a robot that measures no tension."""
+    return with_tension(planner, source="none", blind_stiffness=200.0)
 
 
 def held(plan, s, **more):
@@ -89,25 +91,20 @@ def test_a_tension_that_is_not_trusted_is_not_used(verify, joints):
     assert isinstance(verify(request("pull more"), held(plan, 0.002, tension=1.9)), Accepted)
 
 
-def test_a_sensor_that_is_not_trusted_is_named_with_the_reason(motion_config, robot, joints):
-    verify = Verifier(Planner(robot, motion_config))
-    words = verify(request("tense"), situation(joints, tension_invalid_reason=WHY)).plan.words
+def test_a_sensor_that_is_not_trusted_is_named_with_the_reason(motion_config, trusted, joints):
+    words = trusted(request("tense"), situation(joints, tension_invalid_reason=WHY)).plan.words
     assert WHY in words
-    trusted = verify(request("tense"), situation(joints)).plan
-    assert trusted.phases[-1].tension == motion_config.controller.tension.initial
+    plan = trusted(request("tense"), situation(joints)).plan
+    assert plan.phases[-1].tension == motion_config.controller.tension.initial
 
 
-def test_torques_are_judged_once_the_tissue_is_held(motion_config, robot, joints):
+def test_torques_are_judged_once_the_tissue_is_held(motion_config, planner, joints):
     """Their bias is taken at the grasp: before it there is none, and that is no reason."""
-    tension = replace(motion_config.controller.tension, source="joint_torque")
-    controller = replace(motion_config.controller, tension=tension)
-    verify = Verifier(Planner(robot, replace(motion_config, controller=controller)))
+    verify = with_tension(planner, source="joint_torque")
     plan = verify(request("tense"), situation(joints, tension_invalid_reason="no tare")).plan
-    assert plan.phases[-1].tension == tension.initial
-    step = verify(request("pull more"), held(plan, 0.002, tension_invalid_reason=WHY)).plan.phases[
-        -1
-    ]
-    assert step.tension is None
+    assert plan.phases[-1].tension == motion_config.controller.tension.initial
+    doubted = held(plan, 0.002, tension_invalid_reason=WHY)
+    assert verify(request("pull more"), doubted).plan.phases[-1].tension is None
     by_tension = verify(request("pull more"), held(plan, 0.002, tension=0.5)).plan.phases[-1]
     assert by_tension.tension == pytest.approx(0.75)
 
@@ -149,39 +146,32 @@ def test_no_refusal_speaks_of_a_bound_below_nothing(verify, joints):
 
 
 @pytest.mark.parametrize("step", [{}, {"distance": 0.005}])
-def test_a_pull_that_was_planned_anew_ends_where_the_first_one_would(
-    motion_config, robot, joints, step
-):
+def test_a_pull_that_was_planned_anew_ends_where_the_first_one_would(trusted, joints, step):
     """With a trusted tension, too; else tissue was pulled by the whole path once more."""
-    verify = Verifier(Planner(robot, motion_config))
-    plan = verify(request("tense"), situation(joints)).plan
+    plan = trusted(request("tense"), situation(joints)).plan
     anew = replace(held(plan, 0.010, tension=0.5), grasp=None, pulled=0.010)
-    more = verify(request("pull more", **step), anew).plan.phases[-1]
+    more = trusted(request("pull more", **step), anew).plan.phases[-1]
     assert more.start == 0.0
     assert more.target == pytest.approx(step.get("distance", 0.020), abs=1e-6)
-    far = verify(request("pull more", **step), replace(anew, pulled=0.0296))
+    far = trusted(request("pull more", **step), replace(anew, pulled=0.0296))
     assert far.reason is Reason.DISPLACEMENT_LIMIT
     assert f"pulled {34.6 if step else 30.1} mm, allowed 0 to 30.0 mm" in far.words
 
 
 @pytest.mark.parametrize("step", [{}, {"distance": 0.001}])
-def test_with_a_trusted_tension_nothing_is_pulled_whose_grasp_nobody_saw(
-    motion_config, robot, joints, step
-):
-    verify = Verifier(Planner(robot, motion_config))
-    plan = verify(request("tense"), situation(joints)).plan
+def test_with_a_trusted_tension_nothing_is_pulled_whose_grasp_nobody_saw(trusted, joints, step):
+    plan = trusted(request("tense"), situation(joints)).plan
     unseen = replace(held(plan, 0.0, tension=0.5), grasp=None, pulled=np.inf)
-    refused = verify(request("pull more", **step), unseen)
+    refused = trusted(request("pull more", **step), unseen)
     assert refused.reason is Reason.DISPLACEMENT_LIMIT
     assert refused.words == "nobody saw where the tissue was grasped; release first"
 
 
-def test_the_last_step_to_the_end_of_the_path_is_taken(motion_config, robot, joints):
+def test_the_last_step_to_the_end_of_the_path_is_taken(trusted, joints):
     """Also where the tip is a hair off its place on the path."""
-    verify = Verifier(Planner(robot, motion_config))
-    plan = verify(request("tense"), situation(joints)).plan
+    plan = trusted(request("tense"), situation(joints)).plan
     near = replace(held(plan, 0.025, tension=0.1), pulled=0.025 + 1e-6)
-    last = verify(request("pull more", distance=plan.grasp.pull.length - 0.025), near)
+    last = trusted(request("pull more", distance=plan.grasp.pull.length - 0.025), near)
     assert isinstance(last, Accepted), last
 
 
@@ -196,11 +186,9 @@ def test_three_steps_back_undo_one_three_times_as_long(verify, joints):
     assert s == 0.0
 
 
-def test_on_soft_tissue_tense_goes_as_far_as_it_may(blind, robot, joints):
+def test_on_soft_tissue_tense_goes_as_far_as_it_may(planner, joints):
     """1 N at 25 N/m are 40 mm: nobody asked for them."""
-    tension = replace(blind.controller.tension, blind_stiffness=25.0)
-    soft = replace(blind, controller=replace(blind.controller, tension=tension))
-    verify = Verifier(Planner(robot, soft))
+    verify = with_tension(planner, source="none", blind_stiffness=25.0)
     plan = verify(request("tense"), situation(joints)).plan
     assert plan.phases[-1].target == pytest.approx(0.030)
     assert "pulls 30.0 mm by distance" in plan.words
@@ -212,11 +200,9 @@ def test_on_soft_tissue_tense_goes_as_far_as_it_may(blind, robot, joints):
 
 
 @pytest.fixture(scope="module")
-def unchecked(motion_config, robot):
+def unchecked(planner):
     """A verifier where known weights have not been hung on the jaws yet: 12 mm at 200 N/m."""
-    tension = replace(motion_config.controller.tension, gain="unchecked")
-    controller = replace(motion_config.controller, tension=tension)
-    return Verifier(Planner(robot, replace(motion_config, controller=controller)))
+    return with_tension(planner, gain="unchecked")
 
 
 def test_with_an_unchecked_gain_no_pull_goes_further_than_the_stiffest_tissue_bears(
@@ -263,8 +249,6 @@ def test_the_way_counts_from_the_grasp_also_where_the_arm_was_pushed_since(unche
     ],
 )
 def test_what_a_tension_that_reads_too_little_may_do_is_said(motion_config, gain, length, words):
-    tension = replace(motion_config.controller.tension, gain=gain)
-    controller = replace(motion_config.controller, tension=tension)
-    scene = replace(motion_config.scene, max_displacement=length)
-    said = about_gain(replace(motion_config, controller=controller, scene=scene))
+    config = changed(motion_config, tension={"gain": gain}, scene={"max_displacement": length})
+    said = about_gain(config)
     assert words in said and bool(words) == bool(said)

@@ -9,8 +9,8 @@ from rst_control.commands.table import COMMANDS
 from rst_control.commands.verifier import Verifier
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.planning.plan import PhaseKind
-from rst_control.planning.planner import Planner
 from rst_control.types import Reason, Rejected
+from tests.support.changed_settings import planner_with
 from tests.unit.rst_control.support.situations import request, situation
 
 STRICT = {"planned_tolerance": 1e-12}  # [m] nearer than a path can keep to
@@ -104,13 +104,11 @@ def test_a_step_of_given_size_is_taken_in_newtons_or_metres(verify, tensed):
 
 
 def test_steps_by_distance_can_be_the_setting(planner, tensed):
-    config = planner.config
-    tension = replace(config.controller.tension, step_by="distance", step_distance=0.003)
-    controller = replace(config.controller, tension=tension)
-    verify = Verifier(Planner(planner.model, replace(config, controller=controller)))
-    phase = verify(request("pull more"), holding(tensed)).plan.phases[0]
+    chosen = planner_with(planner, tension={"step_by": "distance", "step_distance": 0.003})
+    phase = Verifier(chosen)(request("pull more"), holding(tensed)).plan.phases[0]
     assert phase.target == pytest.approx(0.013)
-    assert phase.tension == tension.maximum  # where it ends, should the tissue be stiff
+    most = planner.config.controller.tension.maximum
+    assert phase.tension == most  # where it ends, should the tissue be stiff
 
 
 def test_release_opens_and_goes_out_by_the_ways_known(verify, tensed):
@@ -132,8 +130,7 @@ def test_release_of_tissue_nobody_remembers_plans_a_way_out(verify, tensed):
 
 
 def test_release_is_never_refused_for_want_of_a_way_out(planner, tensed):
-    scene = replace(planner.config.scene, workspace_radius=0.005)
-    verify = Verifier(Planner(planner.model, replace(planner.config, scene=scene)))
+    verify = Verifier(planner_with(planner, scene={"workspace_radius": 0.005}))
     decision = verify(request("release"), replace(holding(tensed), grasp=None))
     assert kinds(decision) == [PhaseKind.OPEN]
 
@@ -303,21 +300,17 @@ def test_a_longer_pull_than_the_path_is_refused(verify, joints):
 def test_a_scene_that_makes_tense_impossible_gives_its_own_reason(
     planner, joints, part, changes, reason, words
 ):
-    config = planner.config
     if changes is STRICT:
-        changes = {**STRICT, "solver": replace(config.rcm.solver, tolerance=1e-12)}
-    changed = replace(config, **{part: replace(getattr(config, part), **changes)})
-    verify = Verifier(Planner(planner.model, changed))
+        changes = {**STRICT, "solver": replace(planner.config.rcm.solver, tolerance=1e-12)}
+    verify = Verifier(planner_with(planner, **{part: changes}))
     assert_refused(verify(request("tense"), situation(joints)), reason, words)
 
 
 def test_joint_limits_in_the_way_are_the_reason_given(planner, joints, home):
-    config = planner.config
-    upper = np.array(config.limits.arm_upper)
-    upper[3] = home[3] + 0.0201
-    lower = np.array(config.limits.arm_lower)
-    lower[3], lower[1], upper[1] = home[3] - 0.0201, home[1] - 0.0201, home[1] + 0.0201
-    limits = replace(config.limits, arm_lower=tuple(lower), arm_upper=tuple(upper))
-    verify = Verifier(Planner(planner.model, replace(config, limits=limits)))
+    limits, narrow = planner.config.limits, [1, 3]
+    upper, lower = np.array(limits.arm_upper), np.array(limits.arm_lower)
+    upper[narrow], lower[narrow] = home[narrow] + 0.0201, home[narrow] - 0.0201
+    limits = {"arm_lower": tuple(lower), "arm_upper": tuple(upper)}
+    verify = Verifier(planner_with(planner, limits=limits))
     decision = verify(request("tense"), situation(joints))
     assert_refused(decision, Reason.JOINT_LIMIT, "joint_", "rad, allowed")

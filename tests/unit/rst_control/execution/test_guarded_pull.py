@@ -5,21 +5,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 
 from rst_control.config import load_motion_config
 from rst_control.execution.guarded_pull import GuardedPull
-from rst_control.execution.phase_execution import PhaseStart
-from rst_control.planning.plan import Phase, PhaseKind
 from rst_control.tension.grasp_response import GraspResponse
-from rst_control.trajectory.motion_profile import MotionBounds
-from rst_control.trajectory.path import Path
-from rst_control.types import Measurement, PathState
+from tests.unit.rst_control.support.pulls import LENGTH, PERIOD, measured, start_of
 
-PERIOD = 0.002  # [s]
-LENGTH = 0.03  # [m]
-BOUNDS = MotionBounds(0.02, 0.8, 80.0)
 TENSION = replace(
     load_motion_config().controller.tension,
     source="joint_torque",
@@ -41,12 +33,7 @@ class SpringTissue:
         start: float = 0.0,
         response: GraspResponse = RESPONSE,
     ) -> None:
-        knots = np.zeros((4, 9))
-        knots[:, 0] = np.linspace(0.0, LENGTH, 4)
-        path = Path(knots, np.tile([1.0, *[0.0] * 8], (4, 1)), LENGTH)
-        phase = Phase(PhaseKind.PULL, path, target=LENGTH, speed=0.02, tension=goal)
-        begin = PhaseStart(phase, path, PathState(start), 0.0, BOUNDS, BOUNDS)
-        self.run = GuardedPull(begin, TENSION, response)
+        self.run = GuardedPull(start_of(goal, start), TENSION, response)
         self.stiffness, self.now, self.fastest, self.invalid = stiffness, 0.0, 0.0, ""
         self.bias = 0.0  # [N] added to the reading
         self._past = [start] * round(TENSION.delay / PERIOD)
@@ -60,17 +47,11 @@ class SpringTissue:
             self.now += PERIOD
             self._past.append(self.run.state.s)
             reading = self.bias + self.stiffness * self._past.pop(0)
-            self.run.step(PERIOD, self._measured(reading))
+            found = measured(self.now, reading, tension_invalid_reason=self.invalid)
+            self.run.step(PERIOD, found)
             self.fastest = max(self.fastest, abs(self.run.state.speed))
             if self.run.is_done:
                 return
-
-    def _measured(self, tension: float) -> Measurement:
-        still = np.zeros(10)
-        force = np.array([0.0, 0.0, -tension])
-        return Measurement(
-            still, still, still, self.now, force, gripped=True, tension_invalid_reason=self.invalid
-        )
 
 
 @pytest.mark.parametrize("stiffness", [50.0, 100.0, 200.0])
@@ -149,14 +130,6 @@ def test_with_tissue_held_a_wrong_first_reading_turns_no_pull_round(bias: float)
     tissue.pull()
     assert tissue.run.is_done
     assert tissue.tension == pytest.approx(1.0, abs=0.1)
-
-
-def test_a_tension_too_high_with_nothing_to_ease_ends_where_it_is() -> None:
-    tissue = SpringTissue(100.0, goal=0.4)
-    tissue.bias = 1.0
-    tissue.pull(2.0)
-    assert tissue.run.is_done
-    assert tissue.run.state.s == 0.0
 
 
 def test_it_is_so_slow_that_the_stiffest_tissue_rises_by_the_tolerance_within_the_delay() -> None:

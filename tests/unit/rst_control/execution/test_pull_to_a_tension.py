@@ -9,17 +9,12 @@ import pytest
 
 from rst_control.config import load_motion_config
 from rst_control.execution.guarded_pull import GuardedPull
-from rst_control.execution.phase_execution import PhaseStart, TensionPhase
-from rst_control.planning.plan import Phase, PhaseKind
+from rst_control.execution.phase_execution import TensionPhase
+from rst_control.planning.plan import PhaseKind
 from rst_control.tension.grasp_response import GraspResponse
-from rst_control.trajectory.motion_profile import MotionBounds
-from rst_control.trajectory.path import Path
-from rst_control.types import Measurement, PathState
+from tests.unit.rst_control.support.pulls import PERIOD, measured, start_of
 
-PERIOD = 0.002  # [s]
-LENGTH = 0.03  # [m]
 STIFFNESS = 60.0  # [N/m]
-BOUNDS = MotionBounds(0.02, 0.8, 80.0)
 TENSION = replace(load_motion_config().controller.tension, delay=0.085, noise=0.02, bandwidth=3.0)
 ALLOWED = TENSION.limit / TENSION.blind_stiffness  # [m] before a reading at rest
 
@@ -27,13 +22,8 @@ ALLOWED = TENSION.limit / TENSION.blind_stiffness  # [m] before a reading at res
 @pytest.mark.parametrize("kind", [TensionPhase, GuardedPull])
 @pytest.mark.parametrize("between", [0.002, 0.025])  # [s] from one reading to the next
 def test_it_rests_where_a_reading_must_confirm_it_and_goes_on(kind, between):
-    knots = np.zeros((4, 9))
-    knots[:, 0] = np.linspace(0.0, LENGTH, 4)
-    path = Path(knots, np.tile([1.0, *[0.0] * 8], (4, 1)), LENGTH)
-    phase = Phase(PhaseKind.PULL, path, target=LENGTH, speed=0.02, tension=1.0)
     response = GraspResponse(TENSION, 0.2)
-    start = PhaseStart(phase, path, PathState(0.0), 0.0, BOUNDS, BOUNDS)
-    pull = kind(start, TENSION, response)
+    pull = kind(start_of(1.0), TENSION, response)
     places = [0.0] * round(TENSION.delay / PERIOD)
     reading = measured(0.0, 0.0)
     for tick in range(round(30.0 / PERIOD)):
@@ -52,26 +42,17 @@ def test_it_rests_where_a_reading_must_confirm_it_and_goes_on(kind, between):
     assert STIFFNESS * pull.state.s == pytest.approx(1.0, abs=2.0 * TENSION.tolerance)
 
 
-def measured(stamp, tension):
-    still = np.zeros(10)
-    return Measurement(still, still, still, stamp, np.array([0.0, 0.0, -tension]), gripped=True)
-
-
 class Sensed:
     """Held tissue of 100 N/m that a pull to a tension moves, its readings 8 ms late."""
 
     stiffness, config = 100.0, load_motion_config().controller.tension
 
     def __init__(self, goal, start):
-        knots = np.zeros((4, 9))
-        knots[:, 0] = np.linspace(0.0, LENGTH, 4)
-        path = Path(knots, np.tile([1.0, *[0.0] * 8], (4, 1)), LENGTH)
-        phase = Phase(PhaseKind.STEP, path, target=LENGTH, speed=0.02, tension=goal)
         self.response = GraspResponse(self.config, 0.2)
         for tick in range(400):  # from the grasp to where it starts
             s = start * min(1.0, tick / 200)
             self.response.update((tick - 400) * PERIOD, s, self.stiffness * s)
-        begin = PhaseStart(phase, path, PathState(start), 0.0, BOUNDS, BOUNDS)
+        begin = start_of(goal, start, PhaseKind.STEP)
         self.run = TensionPhase(begin, self.config, self.response)
         self._places, self._now = [start] * 4, 0.0
 

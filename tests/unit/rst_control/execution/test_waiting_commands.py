@@ -70,17 +70,6 @@ def test_a_stop_and_a_command_in_the_same_tick_hold_in_either_order(is_stop_firs
     assert not pending.reply.result(0).accepted
 
 
-def test_what_is_given_after_hey_robot_begins():
-    rig = Rig().awake()
-    stop(rig)
-    rig.run(0.1)
-    rig.say("hey robot")
-    pending = rig.queue.take("tense", "test")
-    rig.queue.check(rig.queue.next(0.0))
-    rig.run(0.1)
-    assert pending.reply.result(0).accepted and rig.state is State.MOVING
-
-
 def test_an_error_at_each_tick_is_logged_once_and_again_when_it_comes_back(caplog):
     rig, error = Rig(), RuntimeError("test")
     for _ in range(3):

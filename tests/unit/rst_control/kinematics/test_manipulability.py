@@ -1,6 +1,4 @@
 # SPDX-License-Identifier: BSD-3-Clause
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -9,8 +7,8 @@ from rst_control.commands.verifier import Verifier
 from rst_control.errors import NearSingular
 from rst_control.kinematics import manipulability
 from rst_control.kinematics.configuration import robot_joints
-from rst_control.planning.planner import Planner
 from rst_control.types import Reason
+from tests.support.changed_settings import planner_with
 from tests.unit.rst_control.support.situations import request, situation
 
 
@@ -19,8 +17,7 @@ def measure(planner, q):
 
 
 def limited(planner, least):
-    limits = replace(planner.config.limits, min_manipulability=least)
-    return Planner(planner.model, replace(planner.config, limits=limits))
+    return planner_with(planner, limits={"min_manipulability": least})
 
 
 def usual_ways(planner, home):

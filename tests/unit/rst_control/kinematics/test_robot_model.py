@@ -58,8 +58,7 @@ def test_a_configuration_refuses_what_is_not_nine_numbers(robot):
 
 
 def test_the_yaw_turns_the_tip_but_not_the_shaft(robot, home):
-    turned = home.copy()
-    turned[8] += 0.3
+    turned = home + 0.3 * np.eye(9)[8]
     before, after = Configuration(robot, home), Configuration(robot, turned)
     np.testing.assert_array_equal(before.T_base_shaft, after.T_base_shaft)
     assert np.linalg.norm(before.tip - after.tip) == pytest.approx(2 * 0.015 * np.sin(0.15))

@@ -8,6 +8,7 @@ from rst_control.config import CONFIG_FOLDER, LimitsConfig
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.kinova.config import load_kinova_config
 from rst_control.planning.planner import Planner
+from tests.support.changed_settings import changed
 from typed_config import load_config, load_yaml
 
 LIMITS = load_config(LimitsConfig, load_yaml(CONFIG_FOLDER / "kinova_limits.yaml"))
@@ -21,9 +22,7 @@ def kinova():
 @pytest.fixture(scope="session")
 def soft_planner(robot, motion_config):
     """Plans within what the driver allows."""
-    controller = motion_config.controller
-    controller = replace(controller, jaws=replace(controller.jaws, braking=6.0))
-    return Planner(robot, replace(motion_config, limits=LIMITS, controller=controller))
+    return Planner(robot, replace(changed(motion_config, jaws={"braking": 6.0}), limits=LIMITS))
 
 
 @pytest.fixture

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from rst_control.config import URDF_FILE
-from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
-from rst_control.kinematics.rcm import rcm_state
+from rst_control.kinematics.configuration import planning_joints, robot_joints
 from rst_control.kinova.bridge import Lead
 from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.tool import ToolState
@@ -16,14 +15,15 @@ from rst_control.tension.gravity_check import RestTorques
 from tests.unit.rst_control.kinova.fake_hardware import OPENING, FakeHardware, closing, standing
 
 
-def shaft_error(planner, joints):
-    q, _ = planning_joints(joints)
-    return rcm_state(Configuration(planner.model, q), planner.trocar).error
+@pytest.fixture
+def errors(hardware, planner):
+    """Distances of the shaft from the trocar, of each step [m]."""
+    found, place = [], planner.patient.trocar_pose
+    hardware.each = lambda: found.append(place(planning_joints(hardware.joints)[0]).error)
+    return found
 
 
-def test_the_arm_follows_the_course_with_the_shaft_in_the_trocar(hardware, way, planner):
-    errors = []
-    hardware.each = lambda: errors.append(shaft_error(planner, hardware.joints))
+def test_the_arm_follows_the_course_with_the_shaft_in_the_trocar(hardware, way, errors):
     hardware.advance(6.0, way)
     assert hardware.bridge.fault(hardware.now) == ""
     end = robot_joints(way.path.end, OPENING)
@@ -33,10 +33,8 @@ def test_the_arm_follows_the_course_with_the_shaft_in_the_trocar(hardware, way, 
     assert len(hardware.speeds) == pytest.approx(6.0 / 0.025, abs=2)
 
 
-def test_another_lag_than_thought_costs_the_trocar_little_and_is_reported(hardware, way, planner):
+def test_another_lag_than_thought_costs_the_trocar_little_and_is_reported(hardware, way, errors):
     hardware.delay = 0.060
-    errors = []
-    hardware.each = lambda: errors.append(shaft_error(planner, hardware.joints))
     hardware.advance(6.0, way)
     assert hardware.bridge.fault(hardware.now) == ""
     assert max(errors) < 300e-6
@@ -77,11 +75,10 @@ def test_a_blocked_joint_stops_the_arm_by_name(hardware, way):
     assert np.abs(hardware.speed).max() == 0.0
 
 
-def test_old_feedback_brakes_the_arm_along_its_course_then_stops_it(hardware, way, planner):
+def test_old_feedback_brakes_the_arm_along_its_course_then_stops_it(hardware, way, errors):
     hardware.advance(1.0, way)
     assert np.abs(hardware.speed).max() > 0.0
-    hardware.reports_arm, errors = False, []
-    hardware.each = lambda: errors.append(shaft_error(planner, hardware.joints))
+    hardware.reports_arm = False
     hardware.advance(0.1, way)
     assert "joints of the arm" in hardware.bridge.fault(hardware.now)
     assert not hardware.stops  # the driver's own stop would take the shaft off the trocar
@@ -106,10 +103,8 @@ def test_a_state_that_comes_once_more_after_a_gap_is_none(hardware, way):
     assert hardware.bridge.measured.stamp == hardware.now
 
 
-def test_set_points_that_end_slow_it_down_along_its_curve_and_latch(hardware, way, planner):
+def test_set_points_that_end_slow_it_down_along_its_curve_and_latch(hardware, way, errors):
     hardware.advance(1.5, way)
-    errors = []
-    hardware.each = lambda: errors.append(shaft_error(planner, hardware.joints))
     hardware.advance(1.0)
     assert "set-points stopped coming" in hardware.bridge.fault(hardware.now)
     assert np.abs(hardware.speed).max() == 0.0
@@ -120,12 +115,9 @@ def test_set_points_that_end_slow_it_down_along_its_curve_and_latch(hardware, wa
     assert np.array_equal(hardware.arm, place)
 
 
-def test_set_points_more_sudden_than_the_arm_are_refused_and_the_shaft_stays(
-    hardware, way, planner
-):
+def test_set_points_more_sudden_than_the_arm_are_refused_and_the_shaft_stays(hardware, way, errors):
     hardware.advance(1.5, way)
-    errors, begun = [], hardware.now
-    hardware.each = lambda: errors.append(shaft_error(planner, hardware.joints))
+    begun = hardware.now
 
     def sudden(now):
         position, velocity = way(now)
@@ -148,8 +140,7 @@ def test_a_hold_ends_at_rest_and_set_points_may_follow(hardware, way):
     assert hardware.bridge.fault(hardware.now) == ""
     assert np.abs(hardware.speed).max() == 0.0
     assert hardware.bridge.take_health().lead is Lead.NOBODY
-    stand = hardware.joints
-    hardware.advance(0.5, lambda now: (stand, np.zeros(10)))
+    hardware.advance(0.5, standing(hardware))
     assert hardware.bridge.take_health().lead is Lead.COURSE
 
 

@@ -13,17 +13,12 @@ from rst_control.errors import (
 )
 from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.rcm import rcm_state
-from rst_control.planning.planner import Planner
 from rst_control.tissue.grasp_candidates import grasp_candidates
+from tests.support.changed_settings import planner_with
 
 
 def tip(planner, q):
     return Configuration(planner.model, q).tip
-
-
-def changed(planner, **scene):
-    config = planner.config
-    return Planner(planner.model, replace(config, scene=replace(config.scene, **scene)))
 
 
 @pytest.fixture
@@ -81,8 +76,7 @@ def test_reaching_again_and_again_ends_in_the_same_joints(planner, home, at_gras
 
 
 def test_a_shaft_slightly_off_the_trocar_is_put_back_first(planner, home):
-    off = home.copy()
-    off[3] += 5e-4
+    off = home + 5e-4 * np.eye(9)[3]
     seat, *rest = planner.reach(off)
     np.testing.assert_array_equal(seat.start, off)
     assert rcm_state(Configuration(planner.model, seat.end), planner.trocar).error < 1e-9
@@ -92,37 +86,33 @@ def test_a_shaft_slightly_off_the_trocar_is_put_back_first(planner, home):
 
 
 def test_a_way_back_that_does_not_end_in_the_trocar_is_refused(planner, home, monkeypatch):
-    off = home.copy()
-    off[3] += 5e-4
+    off = home + 5e-4 * np.eye(9)[3]
     monkeypatch.setattr(planner, "project", lambda q: q + 0.1 * (home - off))
     with pytest.raises(TrocarDrift, match=r"um off the trocar, allowed 1\.00 um"):
         planner.seat(off)
 
 
 def test_a_way_back_that_leads_further_off_is_refused(planner, home, monkeypatch):
-    off = home.copy()
-    off[3] += 5e-4
+    off = home + 5e-4 * np.eye(9)[3]
     monkeypatch.setattr(planner, "project", lambda q: q - (home - off))
     with pytest.raises(TrocarDrift, match="um off the trocar, allowed"):
         planner.seat(off)
 
 
 def test_a_shaft_far_off_the_trocar_is_refused(planner, home):
-    off = home.copy()
-    off[3] += 0.05
+    off = home + 0.05 * np.eye(9)[3]
     with pytest.raises(TrocarDrift, match=r"um off the trocar, allowed 1000\.00 um"):
         planner.reach(off)
 
 
 def test_a_goal_outside_the_workspace_is_refused_with_both_numbers(planner, home):
-    narrow = changed(planner, workspace_radius=0.012)
+    narrow = planner_with(planner, scene={"workspace_radius": 0.012})
     with pytest.raises(OutsideWorkspace, match=r"mm from the workspace centre, allowed 12\.0 mm"):
         narrow.reach(home)
 
 
 def test_too_little_shaft_in_the_trocar_is_refused(planner, home):
-    config = planner.config
-    deep = Planner(planner.model, replace(config, rcm=replace(config.rcm, insertion=(0.13, 0.25))))
+    deep = planner_with(planner, rcm={"insertion": (0.13, 0.25)})
     with pytest.raises(InsertionOutOfRange, match=r"allowed 130\.0 to 250\.0 mm"):
         deep.reach(home)
 
@@ -132,11 +122,6 @@ def test_a_goal_beyond_reach_is_refused(planner, home):
     goal[:3, 3] = [1.6, 0.0, 0.3]
     with pytest.raises(Infeasible):
         planner.leg(home, goal)
-
-
-def with_rcm(planner, **changes):
-    config = planner.config
-    return Planner(planner.model, replace(config, rcm=replace(config.rcm, **changes)))
 
 
 @pytest.fixture
@@ -149,7 +134,7 @@ def aside(planner):
 def test_a_path_that_strays_between_knots_gets_more_of_them(planner, home, aside):
     usual = planner.leg(home, aside)
     strayed = usual.sample(planner.model.chain, planner.trocar).rcm_error.max()
-    strict = with_rcm(planner, planned_tolerance=0.5 * strayed)
+    strict = planner_with(planner, rcm={"planned_tolerance": 0.5 * strayed})
     finer = strict.leg(home, aside)
     assert len(finer.knots) > 3 * len(usual.knots)
     assert finer.sample(planner.model.chain, planner.trocar).rcm_error.max() < 0.5 * strayed
@@ -157,12 +142,14 @@ def test_a_path_that_strays_between_knots_gets_more_of_them(planner, home, aside
 
 def test_a_path_that_leaves_the_trocar_even_so_is_refused(planner, home, aside):
     solver = replace(planner.config.rcm.solver, tolerance=1e-12)
+    strict = planner_with(planner, rcm={"planned_tolerance": 1e-12, "solver": solver})
     with pytest.raises(TrocarDrift, match="um off the trocar"):
-        with_rcm(planner, planned_tolerance=1e-12, solver=solver).leg(home, aside)
+        strict.leg(home, aside)
 
 
 def test_the_jaws_may_be_changed_about_where_that_is_the_shorter_way(planner, home):
-    away = changed(planner, jaw_axis=tuple(-np.array(planner.config.scene.jaw_axis)))
+    jaw_axis = tuple(-np.array(planner.config.scene.jaw_axis))
+    away = planner_with(planner, scene={"jaw_axis": jaw_axis})
     ways, others = planner.reach(home), away.reach(home)
     np.testing.assert_allclose(others[-1].end, ways[-1].end, atol=1e-9)
 
@@ -174,9 +161,8 @@ def test_a_joint_that_would_enter_its_margin_is_named_with_its_value_and_range(p
     most = float(last.knots[:, elbow].max())
     upper = list(config.limits.arm_upper)
     upper[elbow] = most - 0.005 + config.limits.position_margin  # inside the hard limit all the way
-    limits = replace(config.limits, arm_upper=tuple(upper))
     with pytest.raises(JointLimitExceeded) as caught:
-        Planner(planner.model, replace(config, limits=limits)).reach(home)
+        planner_with(planner, limits={"arm_upper": tuple(upper)}).reach(home)
     error = caught.value
     assert error.joint == "joint_4"
     assert error.upper == pytest.approx(most - 0.005)
@@ -188,9 +174,7 @@ def test_a_joint_that_would_enter_its_margin_is_named_with_its_value_and_range(p
 
 
 def test_soft_limits_of_the_driver_slow_the_path(planner, home):
-    config = planner.config
-    limits = replace(config.limits, layer="driver_soft")
-    soft = Planner(planner.model, replace(config, limits=limits))
+    soft = planner_with(planner, limits={"layer": "driver_soft"})
     path = planner.reach(home)[1]
     assert soft.pace(path, 0.02).moving.acceleration < planner.pace(path, 0.02).moving.acceleration
 

@@ -9,7 +9,6 @@ from rst_control.kinematics import forward
 from rst_control.planning import rrt_connect
 from rst_control.planning.collision_kernels import min_room
 from rst_control.planning.free_space import Approach, NoWay
-from rst_control.planning.insertion import Insertion
 
 DENSE = 400
 
@@ -18,12 +17,6 @@ DENSE = 400
 def approach(planner):
     patient = planner.patient
     return Approach(planner.model, planner.limits, patient.outside, patient.outward)
-
-
-@pytest.fixture(scope="module")
-def gate(planner, home):
-    """Joints outside the trocar where an insertion begins."""
-    return Insertion(planner).withdraw(home)[-1].path.end
 
 
 def free(planner, count, seed):
@@ -113,8 +106,7 @@ def test_where_no_way_is_found_the_refusal_names_what_blocks(planner, approach, 
 
 
 def test_a_leg_is_as_long_as_the_part_that_travels_furthest(approach, planner, home):
-    turned = home.copy()
-    turned[0] += 0.5  # about the base's axis
+    turned = home + 0.5 * np.eye(9)[0]  # about the base's axis
     frames = np.empty((12, 3, 4))
     forward.forward(planner.model.chain, home, frames)
     radius = np.hypot(frames[:, 0, 3], frames[:, 1, 3]).max()

@@ -1,27 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """One factor slows everything down that is planned, and leaves braking as hard as it was."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from rst_control.execution.motion import MotionMaker
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.planning.plan import Phase, PhaseKind
-from rst_control.planning.planner import Planner, along
+from rst_control.planning.planner import along
 from rst_control.types import Measurement, State
+from tests.support.changed_settings import changed, planner_with
 from tests.unit.rst_control.support.executor_rig import Rig, with_watchdogs
 
 
-def scaled(config, scale):
-    speed = replace(config.controller.speed, scale=scale)
-    return replace(config, controller=replace(config.controller, speed=speed))
-
-
 @pytest.mark.parametrize("scale", [0.1, 0.5])
-def test_every_path_is_taken_more_slowly(robot, motion_config, planner, home, scale):
-    slow = Planner(robot, scaled(motion_config, scale))
+def test_every_path_is_taken_more_slowly(planner, home, scale):
+    slow = planner_with(planner, speed={"scale": scale})
     for path in (*planner.reach(home), planner.pull(planner.reach(home)[-1].end)):
         full = along(planner, PhaseKind.REACH, path, 0.010)
         part = along(slow, PhaseKind.REACH, path, 0.010)
@@ -35,7 +29,7 @@ def test_the_jaws_too(motion_config, home):
     measured = Measurement(held, still, still, 0.0)
     times = []
     for scale in (1.0, 0.1):
-        maker = MotionMaker(scaled(motion_config, scale).controller)
+        maker = MotionMaker(changed(motion_config, speed={"scale": scale}).controller)
         run = maker.start_phase(Phase(PhaseKind.OPEN, opening=0.6), held, None)
         count = 0
         while not run.is_done:
@@ -48,9 +42,7 @@ def test_the_jaws_too(motion_config, home):
 
 
 def test_jaws_that_open_slowly_may_take_their_time():
-    config = with_watchdogs(phase_timeout=2.0)
-    jaws = replace(config.controller.jaws, speed=0.1)
-    rig = Rig(config=replace(config, controller=replace(config.controller, jaws=jaws)))
+    rig = Rig(config=changed(with_watchdogs(phase_timeout=2.0), jaws={"speed": 0.1}))
     rig.awake().say("tense")
     start = rig.now
     rig.until(lambda: rig.phase == "reach")

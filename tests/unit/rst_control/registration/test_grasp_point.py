@@ -142,6 +142,13 @@ def test_who_set_it_and_when_is_known():
 # "grasp here": the tip shows the point.
 
 
+def shown_by_tip(here):
+    """Let its queue take "grasp here"."""
+    verify = GraspHere(here.rig.context.verify, here.registrar)
+    here.rig.queue = CommandQueue(here.rig.executor, verify, lambda: here.rig.now)
+    return here
+
+
 def touching(aside=0.008):
     """A rig whose tip is at a node beside the grasp point, its jaws closed on nothing."""
     here = setting(Rig())
@@ -149,14 +156,7 @@ def touching(aside=0.008):
     goal = planner.T_base_grasp.copy()
     goal[:3, 3] = here.node(aside=aside)
     *_, path = planner.route(np.array(here.scene.home), goal)
-    here.rig = Rig(start=path.end).awake()
-    here.registrar = GraspPointRegistrar(here.rig.context, here.rig.executor)
-    here.rig.queue = CommandQueue(
-        here.rig.executor,
-        GraspHere(here.rig.context.verify, here.registrar),
-        lambda: here.rig.now,
-    )
-    return here
+    return shown_by_tip(setting(Rig(start=path.end).awake()))
 
 
 def test_the_tip_shows_where_to_grasp():
@@ -171,12 +171,7 @@ def test_the_tip_shows_where_to_grasp():
 
 
 def test_shown_where_no_tissue_is_it_is_refused():
-    here = setting()
-    here.rig.queue = CommandQueue(
-        here.rig.executor,
-        GraspHere(here.rig.context.verify, here.registrar),
-        lambda: here.rig.now,
-    )
+    here = shown_by_tip(setting())
     before = here.point
     assert "mm from a node" in here.rig.refused("grasp here")
     assert here.point == before
@@ -201,16 +196,14 @@ def test_it_is_given_by_hand_never_by_voice():
 # A tracker shows it.
 
 
-def tracked(here, point, seconds=0.7, is_taken=True, pull=()):
-    """Track a point for a while; returns the answers of what was asked for."""
+def follower(here, is_taken=True):
     tracking = here.rig.config.controller.tracking
     tracking = replace(tracking, grasp_point=replace(tracking.grasp_point, is_taken=is_taken))
-    grasp = TrackedGrasp(tracking, here.rig.context, here.registrar)
-    return reported(here, grasp, point, seconds, pull)
+    return TrackedGrasp(tracking, here.rig.context, here.registrar)
 
 
 def reported(here, grasp, point, seconds=0.7, pull=()):
-    """The same of one that goes on."""
+    """Track a point for a while; returns the answers of what was asked for."""
     answers = []
     for number in range(round(seconds / PERIOD)):
         if number % 10 == 0:
@@ -223,30 +216,19 @@ def reported(here, grasp, point, seconds=0.7, pull=()):
 def test_a_tracked_point_is_set_once_it_is_steady():
     here = setting()
     point = here.node(aside=0.008)
-    (reply,) = tracked(here, point, pull=(0.0, 0.0, 1.0))
+    (reply,) = reported(here, follower(here), point, pull=(0.0, 0.0, 1.0))
     assert reply.accepted, reply.message
     np.testing.assert_allclose(here.point, point, atol=1e-9)
     assert here.rig.context.grasp_origin.source == "/tracker"
     assert here.scene.pull_direction == (0.0, 0.0, 1.0)
 
 
-def test_a_tracked_point_that_is_refused_is_asked_for_once():
-    here = setting()
-    (reply,) = tracked(here, here.first + np.array([0.0, 0.02, 0.0]))
-    assert not reply.accepted and "from a node" in reply.message
-
-
-def follower(here):
-    tracking = here.rig.config.controller.tracking
-    tracking = replace(tracking, grasp_point=replace(tracking.grasp_point, is_taken=True))
-    return TrackedGrasp(tracking, here.rig.context, here.registrar)
-
-
-def test_a_refusal_is_reported_and_holds_until_the_situation_changes():
+def test_a_refusal_is_reported_once_and_holds_until_the_situation_changes():
     here = setting()
     beside = here.first + np.array([0.0, 0.02, 0.0])
     grasp = follower(here)
-    assert len(reported(here, grasp, beside)) == 1
+    (reply,) = reported(here, grasp, beside)
+    assert not reply.accepted and "from a node" in reply.message
     assert "from a node" in grasp.objection(here.rig.now).words
     here.rig.say("stop")
     here.rig.run(0.3)
@@ -291,14 +273,14 @@ def test_another_way_of_the_pull_alone_is_taken():
 @pytest.mark.parametrize("phase", ["reach", "pull"])
 def test_in_motion_a_tracked_point_is_not_asked_for(phase):
     here = setting(Rig().moving(phase))
-    assert tracked(here, here.node(aside=0.008), seconds=0.1) == []
+    assert reported(here, follower(here), here.node(aside=0.008), seconds=0.1) == []
 
 
 def test_a_tracked_point_is_only_watched_unless_it_is_to_be_taken():
     here = setting()
-    assert tracked(here, here.node(aside=0.008), is_taken=False) == []
+    assert reported(here, follower(here, is_taken=False), here.node(aside=0.008)) == []
 
 
 def test_near_the_point_that_counts_nothing_is_set():
     here = setting()
-    assert tracked(here, here.first + 4e-4) == []
+    assert reported(here, follower(here), here.first + 4e-4) == []

@@ -16,13 +16,21 @@ HOME = np.array([0.4, 0.0, 0.3])
 PERIOD = 0.02
 
 
-def steady(places, start=5.0):
-    """A place after reports at 50 Hz, and the time of the last."""
-    place, now = SteadyPlace(CONFIG.grasp_point, CONFIG.age, HOME), start
+def after(places, place):
+    """What follows a place after reports at 50 Hz, and the time of the last."""
+    now = 5.0
     for each in places:
         now += PERIOD
         place.update(Report(np.array(each), now))
     return place, now
+
+
+def steady(places):
+    return after(places, SteadyPlace(CONFIG.grasp_point, CONFIG.age, HOME))
+
+
+def tracked(places):
+    return after(places, TrackedTrocar(CONFIG, HOME))
 
 
 def refused(found, reason, words):
@@ -141,14 +149,6 @@ def test_a_steady_way_of_the_pull_is_taken():
 
 
 # The trocar.
-
-
-def tracked(places, start=5.0):
-    trocar, now = TrackedTrocar(CONFIG, HOME), start
-    for each in places:
-        now += PERIOD
-        trocar.update(Report(np.array(each), now))
-    return trocar, now
 
 
 def breathing(time):

@@ -11,6 +11,7 @@ from rst_control.kinematics.configuration import planning_joints, robot_joints
 from rst_control.robot.play_compensation import REVERSAL, PlayCompensation
 from rst_control.simulation.plant.tool_play import ToolPlay
 from rst_control.types import Measurement, Setpoint, State
+from tests.support.changed_settings import changed
 
 CONFIG = load_motion_config()
 PLAY = load_simulation_config().plant.tool_play
@@ -19,8 +20,7 @@ CLOSE = 2.0 * REVERSAL  # [rad] of a joint from its set-point
 
 
 def settings(width):
-    tool_play = replace(CONFIG.controller.tool_play, width=(width, width))
-    return replace(CONFIG, controller=replace(CONFIG.controller, tool_play=tool_play))
+    return changed(CONFIG, tool_play={"width": (width, width)})
 
 
 class WornTool:

@@ -182,13 +182,6 @@ def test_joint_states_that_cannot_be_used_are_a_fault_at_once(link, more, words)
     assert link.run(PERIOD).fault == ""
 
 
-def test_joints_are_known_by_name_never_by_place(link):
-    position = np.arange(10.0)
-    names = ("gripper_lamp", *JOINTS[::-1])
-    measured = link.run(PERIOD, names=names, position=np.append(99.0, position[::-1]))
-    np.testing.assert_array_equal(measured.position, position)
-
-
 def test_a_tension_that_is_no_number_is_a_fault_at_once(link):
     link.run(0.1, tension=0.7)
     measured = link.run(PERIOD, tension=float("nan"))

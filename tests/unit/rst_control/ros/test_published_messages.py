@@ -37,22 +37,11 @@ PUBLISHED = {
     speech_recognition_msgs.msg.SpeechRecognitionCandidates: "8bf91ae2b1d4cbc38dce17013599f915",
     openrst_control.srv.openrst_request: "e911a08d7434cb6ed4be9e08553a1ced",
 }
-NAMES = {
-    control_msgs.msg.FollowJointTrajectoryAction: "control_msgs/FollowJointTrajectoryAction",
-    kortex_driver.msg.Base_JointSpeeds: "kortex_driver/Base_JointSpeeds",
-    kortex_driver.msg.BaseCyclic_Feedback: "kortex_driver/BaseCyclic_Feedback",
-    openrst_control.srv.openrst_request: "openrst_control/openrst_request",
-}
 
 
 @pytest.mark.parametrize("kind", PUBLISHED, ids=lambda kind: kind._type)
 def test_md5_sum_is_the_published_one(kind):
     assert kind._md5sum == PUBLISHED[kind]
-
-
-@pytest.mark.parametrize("kind", NAMES, ids=lambda kind: kind._type)
-def test_type_has_the_published_name(kind):
-    assert kind._type == NAMES[kind]
 
 
 def test_error_codes_are_the_published_ones():

@@ -12,12 +12,10 @@ PANEL = "/panel"
 
 
 def moving(owner):
-    rig = Rig()
-    rig.run(0.3)
-    rig.say("hey robot")
+    rig = Rig().awake()
     rig.say("tense", owner=owner)
     rig.run(0.2)
-    assert rig.executor.snapshot.mode.state is State.MOVING
+    assert rig.state is State.MOVING
     return rig
 
 
@@ -26,46 +24,44 @@ def test_who_asked_for_a_motion_and_is_lost_stops_it(how):
     rig = moving(PANEL)
     rig.liveness.report({PANEL: how})
     rig.tick()
-    assert rig.executor.snapshot.mode.state is State.STOPPING
-    rig.until(lambda: rig.executor.snapshot.mode.state is State.FAULTED)
-    assert rig.executor.snapshot.mode.reason == f"/panel {how} during its motion"
+    assert rig.state is State.STOPPING
+    rig.until(lambda: rig.state is State.FAULTED)
+    assert rig.view.mode.reason == f"/panel {how} during its motion"
 
 
 def test_it_goes_on_when_somebody_else_is_lost():
     rig = moving(PANEL)
     rig.liveness.report({"/other": ENDED})
     rig.run(0.1)
-    assert rig.executor.snapshot.mode.state is State.MOVING
+    assert rig.state is State.MOVING
 
 
 def test_a_motion_that_nobody_has_to_watch_goes_on():
     rig = moving("")
     rig.liveness.report({PANEL: ENDED, "": ENDED})
     rig.run(0.1)
-    assert rig.executor.snapshot.mode.state is State.MOVING
+    assert rig.state is State.MOVING
 
 
 def test_nothing_goes_on_by_itself_when_it_is_back():
     rig = moving(PANEL)
     rig.liveness.report({PANEL: STOPPED})
-    rig.until(lambda: rig.executor.snapshot.mode.state is State.FAULTED)
+    rig.until(lambda: rig.state is State.FAULTED)
     rig.liveness.report({})
-    before = rig.executor.snapshot.setpoint
+    before = rig.view.setpoint
     rig.run(1.0)
-    assert rig.executor.snapshot.mode.state is State.FAULTED
-    assert (rig.executor.snapshot.setpoint == before).all()
+    assert rig.state is State.FAULTED
+    assert (rig.view.setpoint == before).all()
     rig.say("hey robot")
     rig.say("tense", owner=PANEL)
 
 
 def test_who_is_lost_already_sets_nothing_off():
-    rig = Rig()
-    rig.run(0.3)
-    rig.say("hey robot")
+    rig = Rig().awake()
     rig.liveness.report({PANEL: ENDED})
     pending = rig.give("tense", owner=PANEL)
     assert pending.reply.result().message == "/panel ended"
-    assert rig.executor.snapshot.mode.state is State.ACTIVE
+    assert rig.state is State.ACTIVE
     rig.say("tense")  # by hand it may
 
 
@@ -73,25 +69,25 @@ def test_without_the_master_all_brakes_and_nothing_begins():
     rig = moving("")
     rig.liveness.report({MASTER: ENDED})
     rig.tick()
-    assert rig.executor.snapshot.mode.state is State.STOPPING
-    rig.until(lambda: rig.executor.snapshot.mode.state is State.FAULTED)
-    assert rig.executor.snapshot.mode.reason.startswith("the ROS master ended")
+    assert rig.state is State.STOPPING
+    rig.until(lambda: rig.state is State.FAULTED)
+    assert rig.view.mode.reason.startswith("the ROS master ended")
     for words in ("hey robot", "tense"):
         assert not rig.give(words).reply.result().accepted
     rig.liveness.report({})
     rig.run(0.5)
-    assert rig.executor.snapshot.mode.state is State.FAULTED
+    assert rig.state is State.FAULTED
     rig.say("hey robot")
 
 
 def test_at_rest_without_the_master_the_grip_is_kept_by_the_same_set_point():
     rig = moving("")
-    rig.until(lambda: not rig.executor.snapshot.is_moving)
-    assert rig.executor.snapshot.grasp is not None
-    before = rig.executor.snapshot.setpoint
+    rig.until(lambda: not rig.view.is_moving)
+    assert rig.view.grasp is not None
+    before = rig.view.setpoint
     rig.liveness.report({MASTER: STOPPED})
     rig.run(0.2)
-    assert rig.executor.snapshot.mode.state is State.FAULTED
+    assert rig.state is State.FAULTED
     rig.liveness.report({})
     rig.run(0.2)
     assert all((sent.position == before).all() for sent in rig.sent[-200:])
@@ -101,7 +97,7 @@ def test_a_stop_is_taken_without_the_master():
     rig = moving("")
     rig.say("stop")
     rig.liveness.report({MASTER: STOPPED})
-    rig.until(lambda: rig.executor.snapshot.mode.is_latched and not rig.executor.snapshot.is_moving)
+    rig.until(lambda: rig.view.mode.is_latched and not rig.view.is_moving)
 
 
 def test_braking_to_a_latch_keeps_the_first_cause_while_the_heartbeat_pauses():
@@ -114,5 +110,5 @@ def test_braking_to_a_latch_keeps_the_first_cause_while_the_heartbeat_pauses():
     rig.run(0.1)
     rig.say("stop")
     rig.executor.heartbeat(rig.now - 10.0)
-    rig.until(lambda: not rig.executor.snapshot.is_moving)
-    assert rig.executor.snapshot.mode.state is State.HALTED
+    rig.until(lambda: not rig.view.is_moving)
+    assert rig.state is State.HALTED

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from rst_control.types import State
+from tests.support.changed_settings import changed
 from tests.unit.rst_control.support.executor_rig import Rig, shared
 from tests.unit.rst_control.support.sensor_streams import SENSORS, STEPS, coarse
 
@@ -86,9 +87,7 @@ def test_nothing_goes_on_while_the_sensors_lie_nor_after_until_hey_robot():
 
 
 def test_a_motion_at_a_millimetre_a_second_on_a_frozen_robot_ends_within_two_millimetres():
-    config = shared()[0]
-    speed = replace(config.controller.speed, tip_speed=1e-3)
-    rig = Rig(config=replace(config, controller=replace(config.controller, speed=speed))).awake()
+    rig = Rig(config=changed(shared()[0], speed={"tip_speed": 1e-3})).awake()
     rig.say("tense")
     rig.until(lambda: rig.phase == "reach" and rig.view.path_position > 2e-4)
     spoil(rig, frozen(rig, "position", "velocity"))

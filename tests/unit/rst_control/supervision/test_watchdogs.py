@@ -250,12 +250,6 @@ def test_a_robot_that_held_by_itself_wakes_though_set_points_went_on_while_it_st
     assert rig.executor.snapshot.mode.state is State.ACTIVE
 
 
-def test_a_command_by_hand_needs_no_voice_node():
-    rig = Rig().awake()
-    rig.executor.heartbeat(rig.now)
-    rig.finish("tense")
-
-
 def test_a_phase_that_takes_too_long_brakes():
     rig = Rig(config=with_watchdogs(phase_timeout=2.0)).moving("reach")
     rig.now += 3.5  # in which the way, late for once, goes on by five periods only
@@ -281,14 +275,6 @@ def test_a_shaft_off_the_trocar_brakes():
     rig.robot.servo_jp = lambda setpoint: None
     rig.until(lambda: rig.state is State.FAULTED, limit=0.5)
     assert "off the trocar" in rig.view.mode.reason
-
-
-def test_an_arm_pushed_away_at_rest_latches():
-    rig = Rig().awake()
-    rig.robot.servo_jp = lambda setpoint: None
-    rig.robot.push(np.full(10, 0.06))
-    rig.run(0.01)
-    assert rig.state is State.FAULTED
 
 
 def test_stale_joint_states_at_rest_refuse_motion_but_latch_nothing():

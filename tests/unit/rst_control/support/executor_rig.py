@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A controller without ROS on a robot without physics, ticked by hand."""
 
-from dataclasses import replace
 from functools import lru_cache, partial
 
 import numpy as np
@@ -14,6 +13,7 @@ from rst_control.kinematics.robot_model import load_robot
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.supervision.node_liveness import NodeLiveness
 from rst_control.types import State
+from tests.support.changed_settings import changed
 from tests.support.fake_robot import FakeRobot, LinearSpring
 
 PERIOD = 0.002
@@ -102,13 +102,6 @@ class Rig:
     def finish(self, words, **more):
         """Give a motion and carry it out to its end."""
         pending = self.say(words, **more)
-        self.until(pending.ended.done)
-        assert pending.ended.result(0).kind == "succeeded", pending.ended.result(0)
-        return pending.ended.result(0)
-
-    def finish_long(self, words):
-        """Like `finish`, for what takes longer than the others."""
-        pending = self.say(words)
         self.until(pending.ended.done, limit=120.0)
         assert pending.ended.result(0).kind == "succeeded", pending.ended.result(0)
         return pending.ended.result(0)
@@ -156,6 +149,4 @@ class Rig:
 
 def with_watchdogs(**changes):
     """Settings with other watchdogs."""
-    config = shared()[0]
-    watchdogs = replace(config.controller.watchdogs, **changes)
-    return replace(config, controller=replace(config.controller, watchdogs=watchdogs))
+    return changed(shared()[0], watchdogs=changes)

@@ -97,9 +97,8 @@ def test_the_target_is_reached_and_held_without_overshoot(config, stiffness, tar
 
 @pytest.mark.parametrize("stiffness", STIFFNESSES)
 @pytest.mark.parametrize("power", [1.0, 1.7, 2.5])
-@pytest.mark.parametrize("delay", [1, 4])
-def test_stiffening_and_viscous_tissue_seen_late_is_not_overpulled(config, stiffness, power, delay):
-    pull = Pull(config, stiffness, power=power, viscous=0.003 * stiffness, delay=delay)
+def test_stiffening_and_viscous_tissue_seen_late_is_not_overpulled(config, stiffness, power):
+    pull = Pull(config, stiffness, power=power, viscous=0.003 * stiffness, delay=4)
     forces = pull.run()
     assert forces.max() <= 1.0 + OVERSHOOT
     if pull.control.is_settled:
@@ -121,9 +120,8 @@ def test_a_step_of_any_size_settles_within_half_a_second_beyond_the_travel(
 
 @pytest.mark.parametrize("stiffness", STIFFNESSES)
 @pytest.mark.parametrize("target", [0.3, 1.0, 2.0])
-@pytest.mark.parametrize("delay", [2, 5])
-def test_slack_is_taken_up_without_a_jerk_at_its_end(config, stiffness, target, delay):
-    pull = Pull(config, stiffness, target=target, slack=0.004, delay=delay, noise=0.005)
+def test_slack_is_taken_up_without_a_jerk_at_its_end(config, stiffness, target):
+    pull = Pull(config, stiffness, target=target, slack=0.004, delay=5, noise=0.005)
     forces = pull.run(time=20.0)
     assert forces.max() <= target * (1 + OVERSHOOT)
     assert abs(forces[-1] - target) <= config.tension.tolerance
@@ -227,7 +225,7 @@ def test_a_wider_tolerance_settles_sooner(config):
     assert times[1] < times[0]
 
 
-@pytest.mark.parametrize("slack", np.linspace(0.0, 0.003, 13))
+@pytest.mark.parametrize("slack", np.linspace(0.0, 0.003, 7))
 @pytest.mark.parametrize("stiffness", [500.0, 1000.0, 2000.0])
 def test_slack_tissue_does_not_teach_that_it_is_soft(config, stiffness, slack):
     pull = Pull(config, stiffness, slack=slack, target=0.31, delay=5, noise=0.005)

@@ -127,27 +127,21 @@ def test_jaws_that_hold_something_give_no_tare() -> None:
     assert closed.tension_invalid_reason.startswith("no tare: ")
 
 
-def test_far_from_where_it_was_tared_it_is_not_trusted(arm: Arm) -> None:
-    arm.q = HOME + np.array([0.0, 0.4, 0, 0, 0, 0, 0, 0, 0])
-    found = arm.feel((1.0, 0.0, 0.0))
-    assert (
-        "joint_2 is 0.40 rad from where it was taken, allowed 0.35" in found.tension_invalid_reason
-    )
-
-
-def test_an_old_tare_is_not_trusted(arm: Arm) -> None:
-    arm.now += CONFIG.tare.holds_for + 1.0
-    assert "s old, allowed 600" in arm.feel((1.0, 0.0, 0.0)).tension_invalid_reason
-
-
-def test_in_fast_motion_it_is_not_trusted(arm: Arm) -> None:
-    arm.speed = np.array([0, 0, 0, 0.5, 0, 0, 0, 0, 0, 0])
-    assert "joint_4 at 0.50 rad/s" in arm.feel((1.0, 0.0, 0.0)).tension_invalid_reason
-
-
-def test_an_elbow_that_is_pushed_is_not_taken_for_tension(arm: Arm) -> None:
-    arm.pushed = np.array([0.0, 0.0, 6.0, 0.0, 0.0, 0.0, 0.0])
-    assert "misfit" in arm.feel((1.0, 0.0, 0.0)).tension_invalid_reason
+@pytest.mark.parametrize(
+    ("name", "more", "words"),
+    [
+        ("q", 0.4 * np.eye(9)[1], "joint_2 is 0.40 rad from where it was taken, allowed 0.35"),
+        ("now", CONFIG.tare.holds_for + 1.0, "s old, allowed 600"),
+        ("speed", 0.5 * np.eye(10)[3], "joint_4 at 0.50 rad/s"),
+        ("pushed", 6.0 * np.eye(7)[2], "misfit"),
+    ],
+    ids=["elsewhere", "long after", "in fast motion", "with a pushed elbow"],
+)
+def test_away_from_the_tare_in_motion_or_pushed_it_is_not_trusted(
+    arm: Arm, name: str, more: Array | float, words: str
+) -> None:
+    setattr(arm, name, getattr(arm, name) + more)
+    assert words in arm.feel((1.0, 0.0, 0.0)).tension_invalid_reason
 
 
 def moved(q: Array, way: Array) -> Array:

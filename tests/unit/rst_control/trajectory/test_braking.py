@@ -1,16 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A stop is as hard as the joints allow, and paths are slow enough for it to be short."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rst_control.planning.planner import Planner
 from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile, stopping_speed
 from rst_control.types import Cause, PathState, Reason, State
+from tests.support.changed_settings import planner_with
 from tests.unit.rst_control.support.executor_rig import PERIOD, Rig
 
 
@@ -30,9 +28,7 @@ def test_a_slow_enough_motion_is_not_slowed_further():
 
 @pytest.fixture(params=["hard", "driver_soft"])
 def paced(request, planner, home):
-    config = planner.config
-    limits = replace(config.limits, layer=request.param)
-    chosen = Planner(planner.model, replace(config, limits=limits))
+    chosen = planner_with(planner, limits={"layer": request.param})
     ways = chosen.reach(home)
     return chosen, [*ways, chosen.pull(ways[-1].end)]
 
