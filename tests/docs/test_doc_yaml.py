@@ -32,44 +32,29 @@ def block(marker: str) -> str:
 
 
 @pytest.fixture(scope="module")
-def tool_folder(tmp_path_factory):
-    """A copy of the robot's numbers with the row of the page changed."""
+def robot(tmp_path_factory):
+    """The robot that the commands of the page make of its numbers, with the row of the page."""
     folder = tmp_path_factory.mktemp("tool")
     numbers = yaml.safe_load((CONFIG_FOLDER / "gen3_openrst.yaml").read_text(encoding="utf-8"))
     for name, changes in yaml.safe_load(block("example: tool")).items():
         (row,) = [joint for joint in numbers["joints"] if joint["name"] == name]
         row.update(changes)
     (folder / "long_shaft.yaml").write_text(yaml.safe_dump(numbers), encoding="utf-8")
-    return folder
-
-
-def test_another_tool_is_made_by_the_commands_of_the_page(tool_folder):
     for line in block("run: unit").splitlines():
         program, *arguments = shlex.split(line)
         assert program == "python"
-        done = subprocess.run(
-            [sys.executable, *arguments],
-            cwd=tool_folder,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
+        words = [sys.executable, *arguments]
+        done = subprocess.run(words, cwd=folder, capture_output=True, text=True)
         assert done.returncode == 0, done.stdout + done.stderr
-    robot = load_robot(tool_folder / "long_shaft.urdf")
+    return load_robot(folder / "long_shaft.urdf")
+
+
+def test_another_tool_is_made_by_the_commands_of_the_page(robot):
     assert robot.shaft_length == pytest.approx(0.36)
 
 
-def test_the_longer_shaft_is_planned_through_the_trocar(tool_folder):
-    done = [
-        "-m",
-        "rst_control.description.urdf_writer",
-        "long_shaft.urdf",
-        "--facts",
-        "long_shaft.yaml",
-    ]
-    subprocess.run([sys.executable, *done], cwd=tool_folder, check=True, capture_output=True)
-    robot, config = load_robot(tool_folder / "long_shaft.urdf"), load_motion_config()
-    planner = Planner(robot, config)
+def test_the_longer_shaft_is_planned_through_the_trocar(robot):
+    planner = Planner(robot, load_motion_config())
     at_grasp = planner.solver.search(planner.T_base_grasp, planner.trocar)
     assert at_grasp.is_solved
     pull = planner.leg(at_grasp.q, _lifted(planner.T_base_grasp))

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The examples run as their user starts them, and print what they are meant to show."""
+"""The examples print what they are meant to show, or say in one line why they cannot."""
 
+import io
 import re
 import runpy
 import subprocess
 import sys
+from contextlib import redirect_stdout
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +21,11 @@ LONGEST = 40  # lines
 
 
 def run(name, *words):
-    command = [sys.executable, EXAMPLES / name, *words]
-    return subprocess.run(command, capture_output=True, text=True, timeout=200, check=True).stdout
+    """What an example prints in this process, which imports what it needs once for all."""
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(io.StringIO()) as printed:
+        patch.setattr(sys, "argv", [name, *map(str, words)])
+        runpy.run_path(str(EXAMPLES / name), run_name="__main__")
+    return printed.getvalue()
 
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.name)
@@ -69,14 +74,6 @@ def test_a_command_in_a_sound_file_would_be_given_and_talk_would_not(tmp_path):
     assert re.fullmatch(rf"{nothing}\n{given} 0\.\d\d\n", output), output
 
 
-def ended(name, *words):
-    """How an example ends in this process, which has imported what it needs."""
-    with pytest.MonkeyPatch.context() as patch, pytest.raises(SystemExit) as end:
-        patch.setattr(sys, "argv", [name, *map(str, words)])
-        runpy.run_path(str(EXAMPLES / name), run_name="__main__")
-    return end.value.code
-
-
 def test_an_example_that_cannot_go_on_ends_with_status_1_and_one_line():
     command = [sys.executable, EXAMPLES / "session_to_data_frame.py", "no.mcap"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -101,6 +98,8 @@ def test_what_an_example_cannot_read_is_said_in_one_line(
     whole = (tmp_path / "whole.mcap").read_bytes()
     (tmp_path / "cut.mcap").write_bytes(whole[:20])
     monkeypatch.chdir(tmp_path)
-    code = ended(example, *words)  # words, which Python prints, and ends with status 1
+    with pytest.raises(SystemExit) as end:
+        run(example, *words)
+    code = end.value.code  # words, which Python prints, and ends with status 1
     assert isinstance(code, str) and code.startswith(said) and "\n" not in code
     assert capfd.readouterr().err == ""

@@ -11,8 +11,8 @@ import pytest
 
 SOURCES = Path(__file__).resolve().parents[2] / "catkin_ws" / "src"
 PACKAGES = sorted(path.parent for path in SOURCES.glob("*/package.xml"))
-# Python of the messages alone
-TARGETS = ("rst_control_generate_messages_py", "voice_assist_generate_messages_py")
+# Python of the messages alone, of a package that is copied and of one that is linked
+TARGETS = ("crtk_msgs_generate_messages_py", "voice_assist_generate_messages_py")
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
 
@@ -66,7 +66,7 @@ def test_they_build_there_with_the_documented_line(workspace, real):
         assert f"{name}: the one of {real} is taken, not the stand-in" in printed
         assert not (workspace / "devel" / "share" / name / "cmake").exists()
     assert (workspace / "devel/share/openrst_control/cmake/openrst_controlConfig.cmake").is_file()
-    code = "import sys, rst_control.kernels, voice_assist.srv; print(sys.prefix)"
+    code = "import sys, crtk_msgs.msg, rst_control.kernels, voice_assist.srv; print(sys.prefix)"
     line = f'. {workspace}/devel/setup.sh; python3 -c "{code}"; rospack find voice_assist'
     words = ["/bin/sh", "-c", line]
     shown = subprocess.run(words, env=bare(), capture_output=True, text=True, check=True).stdout

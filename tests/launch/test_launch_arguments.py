@@ -19,24 +19,12 @@ def declared(file):
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
-def test_every_argument_has_words_that_explain_it(file):
-    for name, attributes in declared(file).items():
-        words = attributes.get("doc", "").split()
-        assert len(words) >= LEAST_WORDS, f"{file.name}: {name} has no doc string of its own"
-        assert words != name.split("_"), f"{file.name}: {name} is explained by its name"
-
-
-@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
-def test_roslaunch_itself_shows_them(file):
+def test_roslaunch_shows_words_that_explain_each_argument(file):
     """What it prints is taken from its own reader, which follows includes."""
     shown = get_args([str(file)])
-    for name in declared(file):
-        doc, _ = shown[name]
-        assert doc, f"{file.name}: roslaunch --ros-args shows nothing for {name}"
-
-
-@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
-def test_arguments_that_have_no_default_say_that_they_are_required(file):
     for name, attributes in declared(file).items():
-        if "default" not in attributes:
-            assert attributes["doc"].startswith("required"), f"{file.name}: {name}"
+        doc = attributes.get("doc", "")
+        assert len(doc.split()) >= LEAST_WORDS, f"{file.name}: {name} has no doc string of its own"
+        assert doc.split() != name.split("_"), f"{file.name}: {name} is explained by its name"
+        assert shown[name][0], f"{file.name}: roslaunch --ros-args shows nothing for {name}"
+        assert "default" in attributes or doc.startswith("required"), f"{file.name}: {name}"

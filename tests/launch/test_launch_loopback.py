@@ -16,12 +16,13 @@ TROCAR = ["trocar_x:=0.406", "trocar_y:=-0.024", "trocar_z:=0.415"]
 ASKED = {"kinova": [*TROCAR, f"limits:={LIMITS}", "simulate:=true"]}  # what has no default
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
-def test_without_an_address_no_file_is_launched(file, monkeypatch):
-    for name in ("ROS_IP", "ROS_HOSTNAME"):
-        monkeypatch.delenv(name, raising=False)
+@pytest.mark.parametrize("name", ["system", "kinova"])  # that all ask for it: test_launch_line.py
+def test_without_an_address_no_file_is_launched(name, monkeypatch):
+    for variable in ("ROS_IP", "ROS_HOSTNAME"):
+        monkeypatch.delenv(variable, raising=False)
+    words = [(str(LAUNCH / f"{name}.launch"), ASKED.get(name, []))]
     with pytest.raises(RLException, match="Cannot load command parameter"):
-        load_config_default([(str(file), ASKED.get(file.stem, []))], None, verbose=False)
+        load_config_default(words, None, verbose=False)
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)

@@ -16,13 +16,9 @@ def asked(file, *words):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_names_of_sessions_arrive_as_typed(name):
+def test_names_arrive_as_typed_and_that_of_a_folder_instead_of_the_two_others(name):
     assert asked("record.launch", f"session:={name}") == ("", name)
     assert asked("record.launch", f"sessions:={name}", "session:=a") == (name, "a")
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_a_folder_arrives_as_typed_instead_of_the_two(name):
     words = (f"folder:={name}", "sessions:=/kept", "session:=a")
     assert asked("record.launch", *words) == (name, ".")
 

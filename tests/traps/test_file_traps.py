@@ -62,6 +62,11 @@ def test_what_is_no_sound_is_named(tmp_path, content):
         read_sound(tmp_path / "s.wav")
 
 
+def test_a_folder_in_the_place_of_a_sound_is_not_said_to_be_missing(tmp_path):
+    with pytest.raises(AudioError, match=r": not a file$"):
+        read_sound(tmp_path)
+
+
 @pytest.mark.parametrize("rate", [8000, 11025, 44100, 48000, 96000, 192000])
 def test_a_headset_of_any_rate_gives_the_same_length(tmp_path, rate):
     soundfile.write(tmp_path / "s.wav", 0.1 * np.sin(np.arange(rate) * 0.1), rate)

@@ -29,18 +29,19 @@ def test_a_host_name_and_a_namespace_of_the_shell_reach_no_verb():
 NAMES = ("DEVICE", "GUI", "LANGUAGE", "MIC", "MODE", "MODEL", "OUT", "PREFIX", "ROBOT", "SESSION")
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_what_a_verb_takes_is_read_from_the_command_line_alone(name):
-    words = ["make", "--no-print-directory", "--eval", f"shown: ; @echo $({name}) $${name}"]
+def test_what_a_verb_takes_is_read_from_the_command_line_alone():
+    values = " ".join(f"$({name}) $${name}" for name in NAMES)
+    words = ["make", "--no-print-directory", "--eval", f"shown: ; @echo {values}", "shown"]
 
     def shown(*more):
-        given = {**PLAIN, name: "en_GB:en"}
-        line = [*words, "shown", *more]
+        given = {**PLAIN, **dict.fromkeys(NAMES, "en_GB:en")}
+        line = [*words, *more]
         done = subprocess.run(line, cwd=ROOT, env=given, capture_output=True, text=True, check=True)
         return done.stdout.split()
 
     assert shown() == []
-    assert shown(f"{name}=de") == ["de", "de"]
+    given = [f"{name}={name.lower()}" for name in NAMES]
+    assert shown(*given) == [name.lower() for name in NAMES for _ in range(2)]
 
 
 def test_where_the_workspace_cannot_be_sourced_nothing_is_run(tmp_path):

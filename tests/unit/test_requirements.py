@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What users install is all that the product imports, and what tests need is kept apart."""
 
-import ast
 import importlib.util
 import os
 import re
@@ -19,6 +18,9 @@ OPTIONAL = {"pyarrow", "foxglove-sdk", "imageio-ffmpeg"}
 # Files or needs of others; ruckig's module is in no list of importlib.metadata.
 NOT_IMPORTED = {"openwakeword", "tiktoken", "more-itertools", "tqdm", "ruckig"}
 
+# A line of prose that begins so names no distribution
+IMPORT = re.compile(r"^\s*(?:import|from)\s+([A-Za-z_]\w*)", re.MULTILINE)
+
 
 def named(file):
     """Distributions that a requirements file names."""
@@ -30,13 +32,8 @@ def named(file):
 def imported(*folders):
     """Distributions of the Python environment that the code of these folders imports."""
     found = packages_distributions()
-    modules = set()
-    for file in (path for folder in folders for path in (ROOT / folder).rglob("*.py")):
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Import):
-                modules |= {alias.name.partition(".")[0] for alias in node.names}
-            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-                modules.add(node.module.partition(".")[0])
+    files = [path for folder in folders for path in (ROOT / folder).rglob("*.py")]
+    modules = {name for file in files for name in IMPORT.findall(file.read_text("utf-8"))}
     return {found[m][0].lower() for m in modules if m in found and not is_debians(m)}
 
 

@@ -270,9 +270,10 @@ def test_goals_of_a_flood_are_rejected_and_a_stop_among_them_is_not():
     assert server.refused == [(f"g{n}", GoalStatus.REJECTED, "refused") for n in range(3, 10)]
 
 
-def test_goals_of_a_caller_that_is_not_on_the_list_are_rejected():
+@pytest.mark.parametrize(("name", "caller"), [("g", "/stray"), ("false", "/panel")])
+def test_a_goal_of_who_is_not_on_the_list_or_under_the_name_of_another_is_rejected(name, caller):
     server = actions()
-    server.internal_goal_callback(goal("tense", "g", "/stray"))
+    server.internal_goal_callback(goal("tense", name, caller))
     assert server.taken == [] and len(server.refused) == 1
 
 
@@ -283,12 +284,6 @@ def test_goals_of_who_does_not_hear_of_their_end_are_rejected_as_those_of_a_bag_
     assert server.taken == [] and len(server.refused) == 2
     server.internal_goal_callback(goal("stop", "s", "/play_1700000000"))
     assert server.taken == ["stop"]
-
-
-def test_a_goal_under_the_name_of_another_is_rejected():
-    server = actions()
-    server.internal_goal_callback(goal("tense", "false"))
-    assert server.taken == [] and len(server.refused) == 1
 
 
 def test_cancels_of_what_never_was_are_not_remembered_without_end():

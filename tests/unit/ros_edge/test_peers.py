@@ -53,19 +53,22 @@ def system(monkeypatch):
     return System(monkeypatch)
 
 
+def seen(watched, name):
+    """What is known after another look."""
+    watched.step()
+    return watched.state(name)
+
+
 def test_a_node_of_this_host_that_ends_is_reported_and_found_again_when_it_is_back(system):
     watched = Peers()
     first = system.add("/voice", 7)
     watched.want({"/voice"})
-    watched.step()
-    assert watched.state("/voice") == ""
+    assert seen(watched, "/voice") == ""
     system.here[7].words = ENDED
     system.pids[first] = ConnectionRefusedError()
-    watched.step()
-    assert watched.state("/voice") == ENDED
+    assert seen(watched, "/voice") == ENDED
     system.add("/voice", 8)
-    watched.step()
-    assert watched.state("/voice") == ""
+    assert seen(watched, "/voice") == ""
 
 
 def test_a_node_elsewhere_is_unknown_even_where_one_of_that_name_ended_here(system):
@@ -75,41 +78,32 @@ def test_a_node_elsewhere_is_unknown_even_where_one_of_that_name_ended_here(syst
     watched.step()
     system.here[7].words = ENDED
     system.add("/voice", 9, is_here=False)
-    watched.step()
-    assert watched.state("/voice") == ""
+    assert seen(watched, "/voice") == ""
 
 
 def test_the_master_that_ends_is_reported_at_once_and_its_successor_is_taken(system):
     watched = Peers()
-    watched.step()
-    assert watched.state(MASTER) == ""
+    assert seen(watched, MASTER) == ""
     system.here[1].words = ENDED
     assert watched.state(MASTER) == ENDED
     system.pids[MASTER_URI] = ConnectionRefusedError()
-    watched.step()
-    assert watched.state(MASTER) == ENDED
+    assert seen(watched, MASTER) == ENDED
     system.pids[MASTER_URI], system.here[2] = 2, Running()
-    watched.step()
-    assert watched.state(MASTER) == ""
+    assert seen(watched, MASTER) == ""
 
 
 def test_a_master_elsewhere_is_lost_when_nobody_is_there_or_nobody_answers(system):
     system.here.clear()
     watched = Peers()
-    watched.step()
-    assert watched.state(MASTER) == ""
+    assert seen(watched, MASTER) == ""
     system.pids[MASTER_URI] = TimeoutError()
     for _ in range(SILENCES - 1):
-        watched.step()
-        assert watched.state(MASTER) == ""
-    watched.step()
-    assert watched.state(MASTER) == SILENT
+        assert seen(watched, MASTER) == ""
+    assert seen(watched, MASTER) == SILENT
     system.pids[MASTER_URI] = 1
-    watched.step()
-    assert watched.state(MASTER) == ""
+    assert seen(watched, MASTER) == ""
     system.pids[MASTER_URI] = ConnectionRefusedError()
-    watched.step()
-    assert watched.state(MASTER) == UNREACHABLE
+    assert seen(watched, MASTER) == UNREACHABLE
 
 
 def test_who_is_not_wanted_any_more_is_forgotten(system):

@@ -7,6 +7,7 @@ from session_log.cli import CONFIG
 from session_log.config import RecorderConfig, ReportConfig
 from session_log.mcap_file.reader import SessionReader
 from session_log.report import many_sessions, one_session
+from session_log.report.figures import SESSION_FIGURES
 from session_log.report.session.extract import extract
 from support.story import write_session
 from typed_config import load_config, load_yaml
@@ -24,6 +25,13 @@ def without_figures(monkeypatch):
     for module in (one_session, many_sessions):
         monkeypatch.setattr(module, "POOL_FIGURES", ())
     monkeypatch.setattr(one_session, "SESSION_FIGURES", ())
+
+
+@pytest.fixture
+def with_timeline(without_figures, monkeypatch):
+    """Reports have that one figure."""
+    timeline = tuple(figure for figure in SESSION_FIGURES if figure.name == "timeline")
+    monkeypatch.setattr(one_session, "SESSION_FIGURES", timeline)
 
 
 @pytest.fixture

@@ -47,11 +47,6 @@ def test_another_shell_is_refused_with_those_that_are_known(name, capsys):
     assert "fish" in (shown := capsys.readouterr().err) and "bash" in shown
 
 
-def test_shtab_is_imported_only_for_this():
-    code = "import sys, typed_config, session_log.cli; assert 'shtab' not in sys.modules"
-    subprocess.run([sys.executable, "-c", code], check=True)
-
-
 @pytest.mark.parametrize("words", ["-1", "4", "nan", "inf", "x"])
 def test_a_number_out_of_its_bounds_is_refused_with_them(words):
     with pytest.raises(argparse.ArgumentTypeError, match=f"{words!r}, allowed: 0 to 3 s"):

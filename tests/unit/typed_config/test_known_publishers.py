@@ -56,55 +56,53 @@ def known(monkeypatch, master):
     return KnownPublishers()
 
 
-def test_only_the_node_that_is_known_is_heard(known):
+@pytest.fixture
+def link(known):
+    """A subscriber that believes one node; it keeps what is heard."""
     heard = []
     link = known.subscribe("/robot/gripped", Bool, heard.append, ["/robot"])
+    link.heard = heard
+    return link
+
+
+def test_only_the_node_that_is_known_is_heard(link):
     for name in ("/rostopic_1_2", "/robot2", "", None, "/player", "/robot"):
         link.hear(link.connect(name), value=name == "/robot")
-    assert [m.data for m in heard] == [True]
+    assert [m.data for m in link.heard] == [True]
 
 
-def test_a_message_of_no_connection_is_not_heard(known):
-    heard = []
-    link = known.subscribe("/robot/gripped", Bool, heard.append, ["/robot"])
+def test_a_message_of_no_connection_is_not_heard(link):
     link.hear({"callerid": "/robot"})
     link.hear(None)
-    assert not heard
+    assert not link.heard
 
 
-def test_who_claims_the_name_from_elsewhere_is_not_heard_and_is_named(known, master):
-    heard = []
-    link = known.subscribe("/robot/gripped", Bool, heard.append, ["/robot"])
+def test_who_claims_the_name_from_elsewhere_is_not_heard_and_is_named(known, link, master):
     liar, true = link.connect("/robot", port=7), link.connect("/robot", port=1)
     for header in (liar, true, liar):
         link.hear(header, value=header is true)
-    assert [m.data for m in heard] == [True]
+    assert [m.data for m in link.heard] == [True]
     assert known.strangers() == ["/robot/gripped from /robot (http://host:7/ has not that name)"]
 
 
-def test_the_master_is_asked_once_for_each_connection(known, master):
-    link = known.subscribe("/robot/gripped", Bool, print, ["/robot"])
+def test_the_master_is_asked_once_for_each_connection(link, master):
     for header in (link.connect("/robot"), link.connect("/robot", port=7)):
         for _ in range(5):
             link.hear(header)
     assert master["asked"] == 2
 
 
-def test_where_the_name_goes_to_another_node_the_older_one_is_a_stranger(known, master):
-    heard = []
-    link = known.subscribe("/robot/gripped", Bool, heard.append, ["/robot"])
+def test_where_the_name_goes_to_another_node_the_older_one_is_a_stranger(link, master):
     older = link.connect("/robot")
     link.hear(older)
     master["/robot"] = 2
     newer = link.connect("/robot", port=2)
     link.hear(newer, value=False)
     link.hear(older)
-    assert [m.data for m in heard] == [True, False]
+    assert [m.data for m in link.heard] == [True, False]
 
 
-def test_a_master_that_does_not_answer_is_asked_again_and_the_message_waits(known, monkeypatch):
-    heard = []
-    link = known.subscribe("/robot/gripped", Bool, heard.append, ["/robot"])
+def test_a_master_that_does_not_answer_is_asked_again_and_the_message_waits(link, monkeypatch):
     header = link.connect("/robot")
     answers = [OSError("nobody"), ValueError("unknown node"), AT.format(1)]
 
@@ -116,7 +114,7 @@ def test_a_master_that_does_not_answer_is_asked_again_and_the_message_waits(know
 
     monkeypatch.setattr(known_publishers, "ask", ask)
     link.hear(header)
-    assert (answers, len(heard)) == ([], 1)
+    assert (answers, len(link.heard)) == ([], 1)
 
 
 def test_names_may_end_in_a_star_and_none_is_anybody(known):
@@ -128,8 +126,7 @@ def test_names_may_end_in_a_star_and_none_is_anybody(known):
     assert len(heard) == 2
 
 
-def test_strangers_are_named_as_long_as_they_are_connected(known):
-    link = known.subscribe("/robot/gripped", Bool, print, ["/robot"])
+def test_strangers_are_named_as_long_as_they_are_connected(known, link):
     link.connect("/robot")
     status = known.status("rst_control", "controller")
     assert (status.level, status.name) == (DiagnosticStatus.OK, "rst_control: strangers")

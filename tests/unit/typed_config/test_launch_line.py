@@ -31,13 +31,6 @@ def test_an_argument_like_no_other_is_refused_with_all_of_them():
 
 
 @pytest.mark.parametrize(
-    "words", [(), ("profile:=ada", "config:=/a b/c"), ("__name:=x", "wav:=/tmp/profil:=.wav")]
-)
-def test_known_arguments_and_those_of_ros_pass(words):
-    check("voice_assist", "system.launch", *words)
-
-
-@pytest.mark.parametrize(
     ("words", "named"),
     [
         (("speak:=true", "alarms:=false"), "speak.*true.*only with alarms:=true"),
@@ -54,6 +47,9 @@ def test_an_argument_of_a_part_that_is_not_started_is_refused(words, named):
 @pytest.mark.parametrize(
     "words",
     [
+        (),
+        ("profile:=ada", "config:=/a b/c"),
+        ("__name:=x", "wav:=/tmp/profil:=.wav"),
         ("speak:=true",),
         ("speak:=false", "alarms:=false"),
         ("display_port:=9999", "display:=true"),
@@ -61,7 +57,7 @@ def test_an_argument_of_a_part_that_is_not_started_is_refused(words, named):
         ("voice:=false",),
     ],
 )
-def test_an_argument_of_a_part_that_is_started_passes(words):
+def test_arguments_of_ros_and_of_parts_that_are_started_pass(words):
     check("voice_assist", "system.launch", *words)
 
 

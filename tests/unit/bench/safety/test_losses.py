@@ -83,18 +83,17 @@ def test_the_last_movement_is_found_to_a_sample_and_never_early(rest):
     assert rest - STILL / CRUISE - 1e-9 <= found <= rest + PERIOD + 1e-9
 
 
-def test_a_robot_that_rested_before_has_not_moved():
-    assert last_movement(trace(rest_at=0.9), 1.0, 2.0) == 0.0
-
-
-def test_what_goes_on_until_the_end_of_the_watch_has_no_last_movement():
-    assert last_movement(trace(rest_at=9.0), 1.0, 2.0) == float("inf")
-    assert last_movement(trace(rest_at=1.95), 1.0, 2.0) == float("inf")  # hardly at rest
-
-
-def test_motion_that_pauses_and_goes_on_ends_where_it_ends_at_last():
-    found = last_movement(trace(rest_at=1.03, resumes_at=1.4), 1.0, 2.0)
-    assert found == pytest.approx(0.5, abs=2 * PERIOD)
+@pytest.mark.parametrize(
+    ("changes", "last"),
+    [
+        ({"rest_at": 0.9}, 0.0),  # it rested before
+        ({"rest_at": 9.0}, np.inf),
+        ({"rest_at": 1.95}, np.inf),  # hardly at rest
+        ({"rest_at": 1.03, "resumes_at": 1.4}, pytest.approx(0.5, abs=2 * PERIOD)),
+    ],
+)
+def test_the_last_movement_is_that_after_which_it_rests_until_the_end_of_the_watch(changes, last):
+    assert last_movement(trace(**changes), 1.0, 2.0) == last
 
 
 def test_the_joint_that_moved_last_is_named():

@@ -69,17 +69,16 @@ def test_a_stop_that_nothing_answers_is_missed():
     assert objection(asked, 0.3, 0.15) == "no set-point slowed down"
 
 
-def test_braking_that_takes_too_long_is_missed():
-    words = objection(course(brake_at=0.1, brake_time=0.3), 0.1, 0.15)
-    assert "moved for 300 ms, allowed 150 ms" in words
-
-
-def test_a_robot_that_creeps_after_the_rest_is_missed():
-    assert "after the rest" in objection(course(drift=1e-3), 0.1, 0.15)
-
-
-def test_a_watch_that_ends_too_soon_proves_nothing():
-    assert "not watched long enough" in objection(course(end=0.2), 0.1, 0.15)
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"brake_time": 0.3}, "moved for 300 ms, allowed 150 ms"),
+        ({"drift": 1e-3}, "after the rest"),
+        ({"end": 0.2}, "not watched long enough"),
+    ],
+)
+def test_braking_that_takes_too_long_a_creep_and_too_short_a_watch_are_named(changes, words):
+    assert words in objection(course(**changes), 0.1, 0.15)
 
 
 def test_a_controller_that_sends_nothing_leaves_holding_to_the_robot():

@@ -8,6 +8,7 @@ from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.hearing.replay_stream import SceneDecision, SceneResult
 from bench.voice.no_commands import armed, near_misses, unarmed
 from bench.voice.outcomes import (
+    SENSE,
     by,
     engine,
     is_opposite,
@@ -39,46 +40,38 @@ def record(text, *decisions, engine="espeak", voice="en-gb-x-gbcwmd+f2", seconds
 # --- verdicts
 
 
-def test_a_pull_the_other_way_is_opposite():
-    assert verdict("pull more", ["pull less"]) == "opposite"
-    assert verdict("pull less", ["pull more"]) == "opposite"
-    assert verdict("tense", ["release"]) == "opposite"
-    assert verdict("release", ["tense"]) == "opposite"
-    assert verdict("pull less", ["tense"]) == "opposite"
-
-
-@pytest.mark.parametrize("motion", MOTIONS)
-@pytest.mark.parametrize("end", ["stop", "terminate"])
-def test_any_motion_in_place_of_an_end_is_opposite(end, motion):
-    assert verdict(end, [motion]) == "opposite"
-
-
-@pytest.mark.parametrize(("text", "taken"), [("tense", "pull more"), ("release", "pull less")])
-def test_a_motion_of_the_same_sense_is_wrong_but_not_opposite(text, taken):
-    assert verdict(text, [taken]) == "wrong"
+@pytest.mark.parametrize(
+    ("text", "taken", "found"),
+    [
+        ("pull more", ["pull less"], "opposite"),
+        ("pull less", ["pull more"], "opposite"),
+        ("tense", ["release"], "opposite"),
+        ("release", ["tense"], "opposite"),
+        ("pull less", ["tense"], "opposite"),
+        ("pull more", ["pull more", "pull less"], "opposite"),
+        *((end, [motion], "opposite") for end in ("stop", "terminate") for motion in MOTIONS),
+        ("tense", ["pull more"], "wrong"),  # of the same sense
+        ("release", ["pull less"], "wrong"),
+        *((motion, ["stop"], "wrong") for motion in MOTIONS),
+        ("hey robot", ["tense"], "wrong"),  # it has no sense to be against
+        ("stop", ["stop", "hey robot"], "wrong"),
+        ("stop", ["stop"], "right"),
+        ("stop", ["stop", "stop"], "right"),
+        ("stop", [], "nothing"),
+    ],
+)
+def test_only_a_motion_against_what_was_said_is_opposite_and_only_that_alone_is_right(
+    text, taken, found
+):
+    assert verdict(text, taken) == found
 
 
 @pytest.mark.parametrize("text", MOTIONS)
-def test_a_stop_in_place_of_a_motion_is_wrong_but_never_opposite(text):
-    assert verdict(text, ["stop"]) == "wrong"
+def test_an_end_in_place_of_a_motion_is_never_opposite(text):
     assert not is_opposite(text, "terminate")
 
 
-def test_the_wake_word_has_no_sense_to_be_against():
-    assert verdict("hey robot", ["tense"]) == "wrong"
-
-
-def test_right_needs_the_command_and_no_other():
-    assert verdict("stop", ["stop"]) == "right"
-    assert verdict("stop", ["stop", "stop"]) == "right"
-    assert verdict("stop", ["stop", "hey robot"]) == "wrong"
-    assert verdict("stop", []) == "nothing"
-    assert verdict("pull more", ["pull more", "pull less"]) == "opposite"
-
-
 def test_all_motions_of_the_settings_have_a_sense():
-    from bench.voice.outcomes import SENSE
-
     assert {command for command, sense in SENSE.items() if sense} == motions() == set(MOTIONS)
 
 

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from bench.voice.calibration import KINDS, VoicedClaim, claims_of, fit, halves, min_confidence
-from bench.voice.hearing.pieces import SceneRecord
-from bench.voice.hearing.replay_stream import SceneDecision, SceneResult
+from tests.unit.bench.voice.test_outcomes import record, said
 from voice_assist.config import load_voice_config
 from voice_assist.config.calibration import log_odds, logistic
 
@@ -34,26 +33,13 @@ def test_a_dangerous_command_needs_more_than_one_that_moves_nothing() -> None:
     assert limits[0] < limits[1] < limits[2] == limits[3] < 1.0
 
 
-def _record(text: str, *said: SceneDecision) -> SceneRecord:
-    label = {"text": text, "engine": "espeak", "voice": "en-gb"}
-    return SceneRecord(label, SceneResult(said, 2.0, 0.1, 2.0))
-
-
-def _said(
-    command: str, confidence: float, origin: str = "recognizer", taken: bool = True
-) -> SceneDecision:
-    return SceneDecision(
-        1.0, command, taken, confidence, origin, command, "" if taken else "unsure"
-    )
-
-
 def test_claims_are_right_where_the_words_were_said_and_keep_what_was_refused() -> None:
     worth = load_voice_config().recognizer.confidence
     found = claims_of(
         [
-            _record("tense", _said("tense", 0.8)),
-            _record("tents", _said("tense", 0.3, taken=False), _said("", 0.9)),
-            _record("stop", _said("stop", 0.9), _said("stop", 0.7, "spotter")),
+            record("tense", said("tense", confidence=0.8)),
+            record("tents", said("tense", confidence=0.3, is_taken=False), said("")),
+            record("stop", said("stop"), said("stop", confidence=0.7, origin="spotter")),
         ]
     )
     assert [(c.command, c.source, c.is_right) for c in found] == [

@@ -30,6 +30,17 @@ def plan(repetitions=30, share=0.125, seed="1"):
     return PhrasePlan(repetitions, share, TALK, LIMITS, seed)
 
 
+EFFECTS = {  # what a command changes, as the table of commands says
+    HEY_ROBOT: lambda now: {"is_listening": True, "is_active": True, "is_halted": False},
+    TENSE: lambda now: {"is_held": True, "tension": 1.0},
+    RELEASE: lambda now: {"is_held": False, "tension": 0.0},
+    PULL_MORE: lambda now: {"tension": now.tension + LIMITS.step},
+    PULL_LESS: lambda now: {"tension": now.tension - LIMITS.step},
+    STOP: lambda now: {"is_halted": True},
+    TERMINATE: lambda now: {"is_listening": False, "is_active": False},
+}
+
+
 class Robot:
     """Does what the table of commands says; misses some words, refuses some motions."""
 
@@ -52,29 +63,8 @@ class Robot:
         is_motion = planned.command in MOTIONS
         if is_motion and self.rng.random() < self.refuses:
             return False
-        self.now = getattr(self, planned.command.replace(" ", "_"))(self.now)
+        self.now = replace(self.now, **EFFECTS[planned.command](self.now))
         return is_motion
-
-    def hey_robot(self, now):
-        return replace(now, is_listening=True, is_active=True, is_halted=False)
-
-    def tense(self, now):
-        return replace(now, is_held=True, tension=1.0)
-
-    def release(self, now):
-        return replace(now, is_held=False, tension=0.0)
-
-    def pull_more(self, now):
-        return replace(now, tension=now.tension + LIMITS.step)
-
-    def pull_less(self, now):
-        return replace(now, tension=now.tension - LIMITS.step)
-
-    def stop(self, now):
-        return replace(now, is_halted=True)
-
-    def terminate(self, now):
-        return replace(now, is_listening=False, is_active=False)
 
 
 def talk_through(plan, robot):

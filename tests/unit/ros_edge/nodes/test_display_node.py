@@ -210,12 +210,11 @@ def acts(monkeypatch):
 
 
 class Proxy:
-    """A service that answers at once, or once it thaws."""
+    """A service that answers once it thaws."""
 
-    def __init__(self, thaws):
-        self.thaws, self.transport, self.closed = thaws, None, 0
-        self.asked = threading.Event()
-        self.refusal = None
+    def __init__(self):
+        self.thaws, self.asked = threading.Event(), threading.Event()
+        self.transport, self.closed, self.refusal = None, 0, None
 
     def __call__(self, request):
         self.thaws.wait(60.0)
@@ -231,54 +230,32 @@ class Proxy:
 
 
 def test_a_service_that_hangs_is_given_up_in_time_and_not_asked_later(monkeypatch, acts):
-    thaws = threading.Event()
-    proxy = Proxy(thaws)
+    proxy = Proxy()
     monkeypatch.setattr(rospy, "ServiceProxy", lambda *_, **__: proxy)
     began = time.monotonic()
     outcome = acts.stop()
     assert time.monotonic() - began < 10.0
     assert (outcome.is_done, outcome.words) == (False, "the controller does not answer")
     assert proxy.closed == 1
-    thaws.set()
+    proxy.thaws.set()
     assert proxy.asked.wait(10.0)
     assert "too late" in str(proxy.refusal)
 
 
-def test_a_service_that_answers_in_time_is_asked_once(monkeypatch, acts):
-    monkeypatch.setattr(acts_module, "WITHIN", 60.0)
-    thaws = threading.Event()
-    thaws.set()
-    proxy = Proxy(thaws)
-    monkeypatch.setattr(rospy, "ServiceProxy", lambda *_, **__: proxy)
-    outcome = acts.stop()
-    assert outcome.is_done and proxy.closed == 1 and proxy.refusal is None
+def test_who_is_asked_has_the_same_time_but_for_a_microphone_that_may_have_to_be_searched_for(
+    monkeypatch, acts
+):
+    asked = []
 
+    def call(name, kind, *words, within, appears):
+        asked.append((words, within, appears))
+        return Reply(SimpleNamespace(accepted=True, success=True, message="so"))
 
-def test_a_microphone_may_be_searched_for_longer_than_others_answer(monkeypatch, acts):
-    thaws = threading.Event()
-    asked = threading.Timer(0.5, thaws.set)  # ten times WITHIN
-    monkeypatch.setattr(rospy, "ServiceProxy", lambda *_, **__: Microphones(thaws))
-    asked.start()
-    assert acts.choose_microphone("usb").is_done
-
-
-class Microphones(Proxy):
-    """The voice node's service."""
-
-    def __call__(self, request):
-        super().__call__(request)
-        return SimpleNamespace(success=self.refusal is None, message="")
-
-
-def test_a_service_that_is_not_there_is_not_asked(monkeypatch, acts):
-    def fail(name, within):
-        raise rospy.ROSException("timeout exceeded")
-
-    proxy = Proxy(threading.Event())
-    monkeypatch.setattr(rospy, "wait_for_service", fail)
-    monkeypatch.setattr(rospy, "ServiceProxy", lambda *_, **__: proxy)
-    assert acts.stop().words == "the controller does not answer"
-    assert not proxy.asked.is_set()
+    monkeypatch.setattr(acts_module, "call_service", call)
+    assert acts.stop().is_done and acts.choose_microphone("usb").is_done
+    within, longer = acts_module.WITHIN, acts_module.CHOICE_WITHIN
+    assert asked == [(("stop",), within, within), (("usb",), longer, within)]
+    assert longer > 2.5  # [s] of the others
 
 
 @pytest.mark.parametrize("is_taken", [True, False])

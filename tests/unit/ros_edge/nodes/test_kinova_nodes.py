@@ -262,11 +262,20 @@ def test_an_estimate_of_the_arms_own_torques_never_grows_too_old_for_the_control
     assert max(ages) <= max(watchdogs.sensors.tension_age, watchdogs.joint_state_age)
 
 
+@pytest.fixture
+def facts(monkeypatch):
+    """Of an arm whose limits nobody wants; what is asked is up to the test."""
+    monkeypatch.setattr(arm_report.rospy, "logwarn_throttle", lambda *_: None)
+    facts = object.__new__(ArmFacts)
+    facts._namespace, facts._is_wanted, facts.firmware = "my_gen3", lambda: False, ""
+    return facts
+
+
 @pytest.mark.parametrize(("answers", "firmware"), [([None, "2.5.2"], "2.5.2"), ([None] * 99, "")])
 def test_the_firmware_is_asked_for_a_few_times_whether_limits_are_read_or_not(
-    monkeypatch, answers, firmware
+    monkeypatch, facts, answers, firmware
 ):
-    asked = []
+    asked, looks = [], []
 
     def ask(_):
         answer = answers[len(asked)]
@@ -276,12 +285,8 @@ def test_the_firmware_is_asked_for_a_few_times_whether_limits_are_read_or_not(
         return answer
 
     monkeypatch.setattr(arm_report, "ask_firmware", ask)
-    monkeypatch.setattr(arm_report.rospy, "logwarn_throttle", lambda *_: None)
     monkeypatch.setattr(arm_report.rospy, "is_shutdown", lambda: len(looks) > 20)
-    looks = []
     monkeypatch.setattr(arm_report.time, "sleep", looks.append)
-    facts = object.__new__(ArmFacts)
-    facts._namespace, facts._is_wanted, facts.firmware = "my_gen3", lambda: False, ""
     facts._ask()
     assert facts.firmware == firmware
     assert len(asked) == (2 if firmware else FIRMWARE_TRIES)
@@ -295,7 +300,7 @@ def test_the_firmware_is_asked_for_a_few_times_whether_limits_are_read_or_not(
         ConnectionResetError("gone"),
     ],
 )
-def test_a_driver_that_is_lost_in_the_midst_of_a_question_is_asked_again(monkeypatch, error):
+def test_a_driver_that_is_lost_in_the_midst_of_a_question_is_asked_again(monkeypatch, facts, error):
     asked, limits = [], []
 
     def ask_limits(_):
@@ -305,18 +310,16 @@ def test_a_driver_that_is_lost_in_the_midst_of_a_question_is_asked_again(monkeyp
         return "limits"
 
     monkeypatch.setattr(arm_report, "ask_limits", ask_limits)
-    monkeypatch.setattr(arm_report.rospy, "logwarn_throttle", lambda *_: None)
     monkeypatch.setattr(arm_report.rospy, "is_shutdown", lambda: bool(limits))
     monkeypatch.setattr(arm_report.time, "sleep", lambda _: None)
-    facts = object.__new__(ArmFacts)
-    facts._namespace, facts.firmware = "my_gen3", "known"
+    facts.firmware = "known"
     facts._is_wanted, facts._on_limits = lambda: not limits, limits.append
     facts._ask()
     assert limits == ["limits"]
 
 
-def test_a_driver_that_comes_late_is_asked_for_its_firmware_anew(monkeypatch):
-    asked, rounds = [], []
+def test_a_driver_that_comes_late_is_asked_for_its_firmware_anew(monkeypatch, facts):
+    asked, rounds, limits = [], [], []
 
     def ask(_):
         asked.append(len(rounds))
@@ -327,14 +330,10 @@ def test_a_driver_that_comes_late_is_asked_for_its_firmware_anew(monkeypatch):
             raise arm_report.rospy.ROSException("no driver yet")
         return "limits"
 
-    limits = []
     monkeypatch.setattr(arm_report, "ask_firmware", ask)
     monkeypatch.setattr(arm_report, "ask_limits", ask_limits)
-    monkeypatch.setattr(arm_report.rospy, "logwarn_throttle", lambda *_: None)
     monkeypatch.setattr(arm_report.rospy, "is_shutdown", lambda: len(rounds) > 30)
     monkeypatch.setattr(arm_report.time, "sleep", rounds.append)
-    facts = object.__new__(ArmFacts)
-    facts._namespace, facts.firmware = "my_gen3", ""
     facts._is_wanted, facts._on_limits = lambda: not limits, limits.append
     facts._ask()
     assert sum(at < 10 for at in asked) == sum(at >= 10 for at in asked) == FIRMWARE_TRIES

@@ -18,6 +18,15 @@ from voice_assist.ros.pedal.node import PedalNode
 HELD = {"input": "button 0", "above": 0.5, "does": "dead_man", "command": ""}
 
 
+def bare_node(actions):
+    """A node with a dead-man, without ROS."""
+    node = object.__new__(PedalNode)
+    node._config = pedal_config({**load_yaml(CONFIG_DIR / "pedal.yaml"), "bindings": [HELD]})
+    node._pedals, node._lock, node._trouble = Pedals(node._config), threading.Lock(), ""
+    node._carry_out = actions.extend
+    return node
+
+
 @pytest.mark.parametrize("error", [OSError("No such device"), ValueError("strange bytes")])
 def test_a_device_that_fails_releases_the_dead_man(monkeypatch, error):
     def fail(name):
@@ -31,10 +40,7 @@ def test_a_device_that_fails_releases_the_dead_man(monkeypatch, error):
     )
     monkeypatch.setattr(pedal_node, "rospy", fake)
     monkeypatch.setattr(pedal_node, "find", fail)
-    node, actions = object.__new__(PedalNode), []
-    node._config = pedal_config({**load_yaml(CONFIG_DIR / "pedal.yaml"), "bindings": [HELD]})
-    node._pedals, node._lock, node._trouble = Pedals(node._config), threading.Lock(), ""
-    node._carry_out = actions.extend
+    node = bare_node(actions := [])
     node._pedals.found()
     for value in (0.0, 1.0):
         node._pedals.take({"button 0": value})
@@ -55,10 +61,8 @@ class Driven:
         log = {"loginfo": lambda *_: None, "logwarn": lambda *_: None}
         monkeypatch.setattr(pedal_node, "rospy", SimpleNamespace(**log))
         self.connections, self.actions = [connection(name) for name in names], []
-        node = self.node = object.__new__(PedalNode)
-        node._config = pedal_config({**load_yaml(CONFIG_DIR / "pedal.yaml"), "bindings": [HELD]})
-        node._pedals, node._lock, node._trouble = Pedals(node._config), threading.Lock(), ""
-        node._carry_out, node._state, node._last_stop = self.actions.extend, "", 0.0
+        node = self.node = bare_node(self.actions)
+        node._state, node._last_stop = "", 0.0
         node._known = SimpleNamespace(is_believed=lambda by, name: name in JOYS)
         node._joy = SimpleNamespace(
             impl=SimpleNamespace(connections=self.connections),
@@ -70,6 +74,10 @@ class Driven:
         message = Joy(buttons=buttons, axes=axes)
         message._connection_header = {"callerid": name}
         self.node._on_joy(message)
+
+    def press(self, name):
+        for value in (0, 1):
+            self.step(name, value)
 
     def lose(self, name):
         """One that is killed; the rest of its connection stays for a moment."""
@@ -88,8 +96,7 @@ JOYS = ("/joy_node", "/joy")
 
 def test_a_driver_that_is_killed_releases_the_dead_man_beside_another(monkeypatch):
     driven = Driven(monkeypatch, "/joy_node", "/joy", "/rosbag_play")
-    for value in (0, 1):
-        driven.step("/joy_node", value)
+    driven.press("/joy_node")
     driven.lose("/joy")  # it set nothing
     assert driven.check()
     driven.lose("/joy_node")
@@ -100,16 +107,14 @@ def test_a_driver_that_is_killed_releases_the_dead_man_beside_another(monkeypatc
 
 def test_a_driver_whose_connection_broke_counts_as_killed(monkeypatch):
     driven = Driven(monkeypatch, "/joy_node", "/joy")
-    for value in (0, 1):
-        driven.step("/joy_node", value)
+    driven.press("/joy_node")
     driven.connections[0].socket = None  # rospy would connect anew
     assert not driven.check()
 
 
 def test_each_input_is_held_by_the_driver_that_set_it_last(monkeypatch):
     driven = Driven(monkeypatch, "/joy_node", "/joy")
-    for value in (0, 1):
-        driven.step("/joy_node", value)
+    driven.press("/joy_node")
     driven.step("/joy", axes=[1.0])  # it has no such button
     assert driven.check()
     driven.lose("/joy_node")
@@ -118,8 +123,7 @@ def test_each_input_is_held_by_the_driver_that_set_it_last(monkeypatch):
 
 def test_a_driver_that_set_everything_anew_outlives_another(monkeypatch):
     driven = Driven(monkeypatch, "/joy_node", "/joy")
-    for value in (0, 1):
-        driven.step("/joy_node", value)
+    driven.press("/joy_node")
     driven.step("/joy", 1)
     driven.lose("/joy_node")
     assert driven.check()

@@ -56,6 +56,13 @@ def test_a_folder_that_holds_a_recording_is_refused(tmp_path, capsys):
     assert capsys.readouterr().out == f"{tmp_path} holds a recording: name a new folder\n"
 
 
+def test_a_demo_whose_folder_cannot_be_made_says_so_and_starts_nothing(tmp_path, capsys):
+    (tmp_path / "file").touch()
+    assert demo.main(["--out", str(tmp_path / "file" / "session")]) == 2
+    said = capsys.readouterr()
+    assert said.out.startswith("The folder of the session cannot be made") and said.err == ""
+
+
 @pytest.mark.parametrize(("failed", "status"), [(0, 0), (1, 1)])
 def test_a_report_that_fails_is_no_success_though_one_lies_there(
     tmp_path, monkeypatch, capsys, failed, status

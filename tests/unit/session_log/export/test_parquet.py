@@ -12,8 +12,7 @@ from session_log.export import parquet
 from session_log.export.export import export_topics, flatten
 from session_log.mcap_file.decoder import Decoder
 from session_log.mcap_file.reader import SessionReader
-from support.message_classes import class_of
-from support.story import Story, numbered, recording_of
+from support.story import Story, numbered, recording_of, write_session
 
 TOPICS = [
     "/voice_assist/utterance",
@@ -109,14 +108,17 @@ def test_nested_messages_in_a_list_are_structs(exported):
     assert status["values"] == [{"key": "late ticks", "value": "0"}]
 
 
+def parquet_of(story, folder):
+    """Write a table of what a story says on /a."""
+    reader = recording_of(folder / "s.mcap", story.messages)
+    export_topics(reader, folder, ["/a"], "/none", ("parquet",))
+
+
 def test_the_extremes_of_every_number_survive(tmp_path):
     story = Story()
-    big = class_of("voice_assist/AudioChunk")()
-    big.first_sample, big.rate, big.samples = 2**64 - 1, 2**32 - 1, [-32768, 0, 32767]
-    fields = {"first_sample": big.first_sample, "rate": big.rate, "samples": big.samples}
+    fields = {"first_sample": 2**64 - 1, "rate": 2**32 - 1, "samples": [-32768, 0, 32767]}
     story.say(0.0, "/a", "voice_assist/AudioChunk", **fields)
-    reader = recording_of(tmp_path / "s.mcap", story.messages)
-    export_topics(reader, tmp_path, ["/a"], "/none", ("parquet",))
+    parquet_of(story, tmp_path)
     (row,) = pq.read_table(tmp_path / "a.parquet").to_pylist()
     assert {name: row[name] for name in fields} == fields
 
@@ -143,9 +145,7 @@ def test_rows_are_written_in_groups(tmp_path, monkeypatch):
     story = Story()
     for k in range(250):
         story.say(k * 0.01, "/a", "std_msgs/String", data=f"{k}")
-    export_topics(
-        recording_of(tmp_path / "s.mcap", story.messages), tmp_path, ["/a"], "/none", ("parquet",)
-    )
+    parquet_of(story, tmp_path)
     file = pq.ParquetFile(tmp_path / "a.parquet")
     sizes = [file.metadata.row_group(k).num_rows for k in range(file.num_row_groups)]
     assert sizes == [100, 100, 50]
@@ -157,9 +157,7 @@ def test_large_messages_make_smaller_groups(tmp_path, monkeypatch):
     story = Story()
     for _ in range(5):
         story.say(0.0, "/a", "std_msgs/String", data="x" * 400)
-    export_topics(
-        recording_of(tmp_path / "s.mcap", story.messages), tmp_path, ["/a"], "/none", ("parquet",)
-    )
+    parquet_of(story, tmp_path)
     assert pq.ParquetFile(tmp_path / "a.parquet").num_row_groups == 2
 
 
@@ -195,12 +193,14 @@ def test_memory_does_not_grow_with_the_session(tmp_path, monkeypatch):
         (["--format", "both"], {".csv", ".parquet"}),
     ],
 )
-def test_the_format_is_chosen_on_the_command_line(story, tmp_path, words, endings):
+def test_the_format_is_chosen_on_the_command_line(tmp_path, words, endings):
+    write_session(tmp_path / "s.mcap", duration=6.0, rate=20)
+    out = tmp_path / "out"
     with pytest.raises(SystemExit) as end:
-        main(["export", str(story[0]), "--out", str(tmp_path), *words])
+        main(["export", str(tmp_path / "s.mcap"), "--out", str(out), *words])
     assert end.value.code == 0
-    assert {path.suffix for path in tmp_path.iterdir()} - {".wav"} == endings
-    assert (tmp_path / "audio.wav").exists()
+    assert {path.suffix for path in out.iterdir()} - {".wav"} == endings
+    assert (out / "audio.wav").exists()
 
 
 def test_an_unwritable_folder_is_one_clear_line(story, tmp_path, capsys):

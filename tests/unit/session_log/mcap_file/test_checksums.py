@@ -33,10 +33,22 @@ def write(path, commits, per_commit=3, size=100):
     return path.read_bytes()
 
 
-def checksums_of(content):
-    head = HEAD.pack(CHECKSUM, CHECKSUM_BODY.size)
-    found = [m.start() for m in re.finditer(re.escape(head), content)]
-    return [(k, *CHECKSUM_BODY.unpack_from(content, k + HEAD.size)) for k in found]
+RECORD = re.compile(
+    re.escape(HEAD.pack(CHECKSUM, CHECKSUM_BODY.size)) + b".{%d}" % CHECKSUM_BODY.size, re.DOTALL
+)
+
+
+def without_checksums(path):
+    path.write_bytes(RECORD.sub(b"", path.read_bytes()))
+
+
+def read_with_peak(path):
+    """How many messages are read, and the memory that this takes at most [B]."""
+    tracemalloc.start()
+    count = sum(1 for _ in SessionReader(path).messages())
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    return count, most
 
 
 def test_the_public_reader_skips_checksums_and_its_checksum_includes_them(tmp_path):
@@ -49,14 +61,14 @@ def test_the_public_reader_skips_checksums_and_its_checksum_includes_them(tmp_pa
         file.seek(0)
         records = list(StreamReader(file, validate_crcs=True).records)
     assert sum(isinstance(r, McapMessage) for r in records) == 4
-    assert len(checksums_of((tmp_path / "s.mcap").read_bytes())) == 5  # the header's, too
+    assert len(RECORD.findall((tmp_path / "s.mcap").read_bytes())) == 5  # the header's, too
 
 
 @pytest.mark.parametrize("place", ["length", "checksum"])
 def test_a_damaged_checksum_costs_its_own_commit(tmp_path, place):
     content = bytearray(write(tmp_path / "s.mcap", 5))
-    offset, *_ = checksums_of(content)[3]  # the header's is the first
-    content[offset + HEAD.size + (0 if place == "length" else 8)] ^= 1
+    *_, third, _, _ = RECORD.finditer(content)  # of five commits
+    content[third.start() + HEAD.size + (0 if place == "length" else 8)] ^= 1
     (tmp_path / "s.mcap").write_bytes(content)
     reader = SessionReader(tmp_path / "s.mcap")
     assert [m.sequence for m in reader.messages()] == [1, 2, 3, 4, 5, 6, 10, 11, 12, 13, 14, 15]
@@ -64,10 +76,8 @@ def test_a_damaged_checksum_costs_its_own_commit(tmp_path, place):
 
 
 def test_a_file_without_checksums_is_read_as_it_is(tmp_path):
-    content = write(tmp_path / "s.mcap", 5)
-    for offset, *_ in reversed(checksums_of(content)):
-        content = content[:offset] + content[offset + HEAD.size + CHECKSUM_BODY.size :]
-    (tmp_path / "s.mcap").write_bytes(content)
+    write(tmp_path / "s.mcap", 5)
+    without_checksums(tmp_path / "s.mcap")
     reader = SessionReader(tmp_path / "s.mcap")
     assert list(reader.messages()) == [message(k) for k in range(15)]
     assert reader.condition.damage == []
@@ -75,22 +85,14 @@ def test_a_file_without_checksums_is_read_as_it_is(tmp_path):
 
 def test_a_long_commit_has_its_checksum_on_the_way_and_read_in_little_memory(tmp_path):
     write(tmp_path / "s.mcap", 1, per_commit=400, size=100_000)  # 40 MB at once
-    tracemalloc.start()
-    count = sum(1 for _ in SessionReader(tmp_path / "s.mcap").messages())
-    _, most = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
+    count, most = read_with_peak(tmp_path / "s.mcap")
     assert count == 400
     assert most < 4 * CHECKSUM_WITHIN + 4_000_000
 
 
 def test_without_checksums_too_little_is_held_back(tmp_path):
-    content = write(tmp_path / "s.mcap", 1, per_commit=400, size=100_000)
-    for offset, *_ in reversed(checksums_of(content)):
-        content = content[:offset] + content[offset + HEAD.size + CHECKSUM_BODY.size :]
-    (tmp_path / "s.mcap").write_bytes(content)
-    tracemalloc.start()
-    count = sum(1 for _ in SessionReader(tmp_path / "s.mcap").messages())
-    _, most = tracemalloc.get_traced_memory()
-    tracemalloc.stop()
+    write(tmp_path / "s.mcap", 1, per_commit=400, size=100_000)
+    without_checksums(tmp_path / "s.mcap")
+    count, most = read_with_peak(tmp_path / "s.mcap")
     assert count == 400
     assert most < 2 * checksums.MOST_HELD + 6_000_000

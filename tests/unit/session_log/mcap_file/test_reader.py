@@ -30,7 +30,7 @@ def message(k):
     return Message(source, len(text).to_bytes(4, "little") + text, NOW + k * 10**6, k // 3 + 1)
 
 
-def write(path, *, close=True, chunked=False, count=COUNT):
+def write(path, *, chunked=False, count=COUNT):
     writer = (SessionWriter if chunked else UnchunkedWriter)(path)
     writer.add_metadata("session", {"seed": "7"})
     ends = []
@@ -38,25 +38,23 @@ def write(path, *, close=True, chunked=False, count=COUNT):
         writer.add(message(k))
         writer.commit()
         ends.append(writer.committed)
-    if close:
-        writer.close()
-    else:
-        writer.abandon()
+    writer.close()
     return ends
+
+
+def written(path, **options):
+    ends = write(path, **options)
+    return path.read_bytes(), ends
 
 
 @pytest.fixture(scope="module")
 def sound(tmp_path_factory):
-    path = tmp_path_factory.mktemp("reader") / "session.mcap"
-    ends = write(path)
-    return path.read_bytes(), ends
+    return written(tmp_path_factory.mktemp("reader") / "session.mcap")
 
 
 @pytest.fixture(scope="module")
 def chunked(tmp_path_factory):
-    path = tmp_path_factory.mktemp("chunked") / "session.mcap"
-    ends = write(path, chunked=True)
-    return path.read_bytes(), ends
+    return written(tmp_path_factory.mktemp("chunked") / "session.mcap", chunked=True)
 
 
 @pytest.mark.parametrize("is_chunked", [False, True])

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from session_log.config import RecorderConfig
-from session_log.errors import RecordingFailed, SessionMissing
+from session_log.errors import RecordingFailed
 from session_log.mcap_file import session_folder
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.session_folder import (
@@ -91,11 +91,6 @@ def test_recordings_of_one_folder_have_names_and_reports_of_their_own(tmp_path):
     assert (session_name(first), session_name(second)) == ("pivot", "pivot (2)")
     assert report_folder(first) == first.parent
     assert report_folder(second) == first.parent / "session_2"
-
-
-def test_a_folder_without_a_recording_is_named(tmp_path):
-    with pytest.raises(SessionMissing, match=r"a folder without session\.mcap"):
-        SessionReader(tmp_path)
 
 
 def test_a_recovered_copy_has_a_report_of_its_own_beside_its_original(tmp_path):

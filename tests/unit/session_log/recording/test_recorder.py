@@ -21,8 +21,13 @@ from support.waiting import wait_until
 from tests.unit.session_log.support.recorder_inputs import full, text
 
 
-def test_many_threads_lose_nothing(tmp_path, recorder_config):
-    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, time.time_ns)
+@pytest.fixture
+def recorder(tmp_path, recorder_config):
+    """One that has not begun."""
+    return Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, time.time_ns)
+
+
+def test_many_threads_lose_nothing(tmp_path, recorder):
     tallies = [recorder.register(text(f"/t{i}")) for i in range(8)]
     recorder.start()
 
@@ -41,8 +46,7 @@ def test_many_threads_lose_nothing(tmp_path, recorder_config):
     assert (result.messages, result.missing, result.condition.is_closed) == (4000, 0, True)
 
 
-def test_what_is_said_to_be_written_is_in_the_file(tmp_path, recorder_config):
-    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, time.time_ns)
+def test_what_is_said_to_be_written_is_in_the_file(tmp_path, recorder):
     tally = recorder.register(text())
     recorder.start()
     for _ in range(10):
@@ -124,8 +128,7 @@ def test_an_unexpected_error_is_kept_in_sight(tmp_path, recorder_config):
     assert "a bug" in recorder.close()
 
 
-def test_gaps_in_the_publishers_own_count_are_reported_and_recorded(tmp_path, recorder_config):
-    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, time.time_ns)
+def test_gaps_in_the_publishers_own_count_are_reported_and_recorded(tmp_path, recorder):
     tally = recorder.register(source_of("/rst_control/event", "rst_control/Event", "/controller"))
     recorder.start()
     for sequence in (5, 6, 9, 10, 12):
@@ -162,8 +165,7 @@ def test_the_latched_message_from_before_the_connection_opens_no_gap(recorder_co
     assert recorder.status().missed == 1
 
 
-def test_metadata_may_come_at_any_time_and_the_last_of_a_name_counts(tmp_path, recorder_config):
-    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, time.time_ns)
+def test_metadata_may_come_at_any_time_and_the_last_of_a_name_counts(tmp_path, recorder):
     recorder.start()
     recorder.add_metadata("parameters", {"gain": "1"})
     recorder.add_metadata("parameters", {"gain": "2"})
@@ -173,9 +175,8 @@ def test_metadata_may_come_at_any_time_and_the_last_of_a_name_counts(tmp_path, r
     assert [name for name, _ in condition.metadata] == ["parameters", "parameters"]
 
 
-def test_publishers_without_end_share_a_channel_and_lose_nothing(tmp_path, recorder_config):
+def test_publishers_without_end_share_a_channel_and_lose_nothing(tmp_path, recorder):
     """Each `rostopic pub` of a script is a new node; a file has 65,535 channels."""
-    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, time.time_ns)
     recorder.start()
     count = 66_000
     kind = "rst_control/Event"
@@ -194,10 +195,9 @@ def test_publishers_without_end_share_a_channel_and_lose_nothing(tmp_path, recor
 
 
 def test_topics_that_no_file_can_hold_are_named_and_the_others_recorded(
-    tmp_path, recorder_config, monkeypatch
+    tmp_path, recorder, monkeypatch
 ):
     monkeypatch.setattr(recorder_module, "MOST_CHANNELS", 3)
-    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, time.time_ns)
     recorder.start()
     taken = [recorder.offer(recorder.register(text(f"/t{k}")), b"x") for k in range(5)]
     assert taken == [True, True, True, False, False]

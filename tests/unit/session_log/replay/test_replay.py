@@ -8,6 +8,8 @@ import pytest
 import yaml
 
 from session_log.cli import main
+from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.recover import recover
 from session_log.replay import replay
 from support.story import Story
 from tests.unit.session_log.support.fake_pipeline import MADE, PLANS
@@ -34,8 +36,9 @@ def refusal(config, capsys):
     def run(path):
         with pytest.raises(SystemExit) as end:
             main(["replay", str(path), "--config", str(config)])
-        assert end.value.code == 2
-        return capsys.readouterr().err
+        shown = capsys.readouterr()
+        assert (end.value.code, shown.out) == (2, "")
+        return shown.err
 
     return run
 
@@ -85,6 +88,12 @@ def test_a_missing_recording_and_an_empty_folder_are_errors(tmp_path, refusal):
     (tmp_path / "empty").mkdir()
     assert "no such file" in refusal(tmp_path / "none.mcap")
     assert "without any recording" in refusal(tmp_path / "empty")
+
+
+def test_a_folder_with_a_copy_alone_holds_no_recording(tmp_path, refusal):
+    (tmp_path / "a.mcap").mkdir()  # the original's name, and no recording
+    (tmp_path / "a_recovered.mcap").write_bytes(b"a copy")
+    assert "without any recording" in refusal(tmp_path)
 
 
 def test_sound_that_the_pipeline_cannot_take_is_an_error(tmp_path, replayed):
@@ -214,6 +223,16 @@ def test_a_node_that_was_started_anew_is_heard_by_a_new_pipeline(tmp_path, repla
     first, second = MADE
     assert first.notes == ["heard 60000"] and second.notes == ["lost 512"]
     assert second.heard[0] == 0 and "lost:" not in out
+
+
+@pytest.mark.parametrize(("plan", "status"), [(SAME, 0), ({}, 1)])
+def test_a_recovered_copy_that_is_named_is_replayed(tmp_path, replayed, plan, status):
+    original = ordinary(tmp_path / "session.mcap")
+    copy = original.with_name("session_recovered.mcap")
+    recover(SessionReader(original), copy)
+    PLANS.append(plan)
+    code, out, _, _ = replayed(copy)
+    assert code == status and f"{copy}: 2 utterances in 10.0 s" in out and len(MADE) == 1
 
 
 def test_a_folder_is_heard_session_by_session_with_a_total(tmp_path, replayed):

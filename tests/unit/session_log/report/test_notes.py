@@ -24,13 +24,6 @@ def test_notes_are_lines_of_a_file_that_people_may_edit(tmp_path):
     )
 
 
-@pytest.mark.parametrize("moment", ["-1", "nan", "soon"])
-def test_a_moment_that_is_none_is_refused(story, moment, capsys):
-    with pytest.raises(SystemExit) as ended:
-        main(["note", str(story[0]), "a", "cough", "--at", moment])
-    assert ended.value.code == 2 and "--at" in capsys.readouterr().err
-
-
 @pytest.fixture
 def noted(story, tmp_path, capsys):
     """Writes a note on the story, or on the first bytes of it; gives status and what is said."""

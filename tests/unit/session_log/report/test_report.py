@@ -15,7 +15,6 @@ from PIL import Image
 
 from session_log.errors import OutputFailed
 from session_log.mcap_file.reader import SessionReader
-from session_log.report import one_session
 from session_log.report.notes import Note, add_note
 from session_log.report.one_session import write_report
 from session_log.report.tables.text_table import length
@@ -72,10 +71,6 @@ def report(story, report_config, tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     result = write_report(SessionReader(story[0]), folder, report_config)
     return result, Page(result.page.read_text(encoding="utf-8"))
-
-
-def some_figures(name):
-    return tuple(figure for figure in one_session.SESSION_FIGURES if figure.name == name)
 
 
 def test_every_section_is_there(report):
@@ -192,12 +187,10 @@ def test_origin_and_limits_are_named(report):
     assert "model_sha256" in words and "limit of 50\u00a0µm" in words
 
 
+@pytest.mark.usefixtures("with_timeline")
 def test_what_was_recorded_is_text_never_markup(tmp_path, report_config, monkeypatch):
-    from support import story as synthetic_session
-
     hostile = [(1.0, 0.5, "<script>alert(1)</script>", "", "<b>no</b>")]
-    monkeypatch.setattr(synthetic_session, "SPEECH", hostile)
-    monkeypatch.setattr(one_session, "SESSION_FIGURES", some_figures("timeline"))
+    monkeypatch.setattr("support.story.SPEECH", hostile)
     write_session(tmp_path / "s.mcap", duration=3.0, rate=50)
     result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, report_config)
     text = result.page.read_text(encoding="utf-8")
@@ -223,14 +216,15 @@ def test_a_killed_recording_is_reported_with_a_warning(story, tmp_path, report_c
     assert "The recorder did not close this file" in result.page.read_text(encoding="utf-8")
 
 
-def test_figures_are_also_written_for_a_paper_when_asked(tmp_path, report_config, monkeypatch):
-    monkeypatch.setattr(one_session, "SESSION_FIGURES", some_figures("rcm_error"))
-    monkeypatch.setattr(one_session, "POOL_FIGURES", ())
-    write_session(tmp_path / "s.mcap", duration=4.0, rate=50)
-    config = replace(report_config, vector=True)
-    result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, config)
-    assert (tmp_path / "rcm_error.pdf") in result.figures
-    assert (tmp_path / "rcm_error.pdf").read_bytes().startswith(b"%PDF")
+@pytest.mark.usefixtures("with_timeline")
+def test_figures_are_also_written_for_a_paper_when_asked(tmp_path, report_config):
+    story = Story()
+    story.event(1.0, "accepted", "tense", "reaches")
+    story.event(1.1, "motion_started", "tense", "")
+    session = recording_of(tmp_path / "s.mcap", story.messages)
+    result = write_report(session, tmp_path, replace(report_config, vector=True))
+    assert (tmp_path / "timeline.pdf") in result.figures
+    assert (tmp_path / "timeline.pdf").read_bytes().startswith(b"%PDF")
 
 
 def test_a_folder_that_cannot_be_made_is_named(story, tmp_path, report_config):
@@ -245,7 +239,8 @@ def test_one_lost_message_of_thousands_is_a_note_and_many_are_a_warning(
     story, tmp_path, report_config, missed, is_warned
 ):
     losses = {"/joint_states from /robot": f"0 dropped, {missed} missed"}
-    session = recording_of(tmp_path / "s.mcap", story[1], {"losses": losses})
+    messages = [m for m in story[1] if m.source.topic == "/joint_states"]
+    session = recording_of(tmp_path / "s.mcap", messages, {"losses": losses})
     text = write_report(session, tmp_path, report_config).page.read_text()
     words = f"Lost on /joint_states from /robot: 0 dropped, {missed} missed of"
     assert words in text
@@ -268,10 +263,8 @@ def test_an_utterance_can_be_heard_and_that_can_be_switched_off(report, tmp_path
     assert "data:audio" not in without.read_text(encoding="utf-8")
 
 
-def test_notes_stand_in_the_report_and_those_of_a_moment_on_its_time_axis(
-    tmp_path, report_config, monkeypatch
-):
-    monkeypatch.setattr(one_session, "SESSION_FIGURES", some_figures("timeline"))
+@pytest.mark.usefixtures("with_timeline")
+def test_notes_stand_in_the_report_and_those_of_a_moment_on_its_time_axis(tmp_path, report_config):
     path = tmp_path / "s.mcap"
     write_session(path, duration=6.0, rate=50)
     add_note(path, Note("the light was\n<b>off</b>"))

@@ -4,24 +4,17 @@
 import json
 import math
 
-import numpy as np
 import pytest
 
-from session_log.mcap_file.reader import FileCondition
-from session_log.mcap_file.summary import RecordingSummary
 from session_log.report.figures import SessionMaterial
-from session_log.report.session.session_data import SessionData
 from session_log.report.session.shaft import rcm_from_joints
 from session_log.report.zoom import POINTS, zoom_data
+from tests.unit.session_log.report.session.test_tension import session, settings
 
 
 def tension_of(report_config, values, source="sensor"):
     """What the page gets of a controller's tension."""
-    parameters = {"controller": f"tension: {{source: {source}, limit: 2.4}}"}
-    condition = FileCondition(metadata=[("parameters", parameters)])
-    data = SessionData(RecordingSummary(condition))
-    tension, zeros = np.array(values), np.zeros(len(values))
-    data.controller.extend(np.arange(len(values)), zeros, tension, zeros, zeros, zeros)
+    data = session(settings(source), tension=values)
     rcm = rcm_from_joints(data, report_config)
     found = zoom_data(SessionMaterial(data, [], report_config, rcm, ()), [])
     text = json.dumps(found, allow_nan=False)

@@ -25,6 +25,7 @@ from session_log.report.session.session_data import SampledTable, SessionData, S
 from session_log.report.session.shaft import rcm_from_joints
 from session_log.report.session.summary import GivenCommand, summarise
 from session_log.report.session.trials import NOTHING, PhraseTrial, trials
+from tests.unit.session_log.report.session.test_joint_margins import urdf
 
 POOLED = {figure.name: figure for figure in POOL_FIGURES}
 
@@ -190,14 +191,8 @@ def joints_of(material, **positions):
     """The material with these joints: a turning one to 1 rad, a sliding one to 0.1 m."""
     table = SampledTable(("time", *positions))
     table.extend(np.arange(3.0), *map(np.array, positions.values()))
-    limits = {"turn": ("revolute", -1.0, 1.0), "slide": ("prismatic", 0.0, 0.1)}
-    urdf = "".join(
-        f'<joint name="{name}" type="{kind}"><limit lower="{low}" upper="{high}"/></joint>'
-        for name, (kind, low, high) in limits.items()
-    )
-    return replace(
-        material, data=replace(material.data, joints=table, urdf=f"<robot>{urdf}</robot>")
-    )
+    model = urdf(turn=("revolute", -1.0, 1.0), slide=("prismatic", 0.0, 0.1))
+    return replace(material, data=replace(material.data, joints=table, urdf=model))
 
 
 def test_sliding_joints_are_drawn_in_millimetres_beside_turning_ones_in_degrees(material):

@@ -37,6 +37,11 @@ def pool_of(config, *summaries):
     return pool
 
 
+def given(command="tense", reaction=math.nan, by="voice", decided=0.1, **more):
+    fields = {"outcome": "accepted", "message": "", "is_partial": False, **more}
+    return GivenCommand(command, decided, reaction, given_by=by, **fields)
+
+
 def changed(summary, *pairs, **fields):
     found = tuple(PhraseTrial(float(k), meant, taken, "") for k, (meant, taken) in enumerate(pairs))
     return replace(summary, trials=found, **fields)
@@ -117,30 +122,21 @@ def test_accuracy_counts_commands_apart_from_words_that_are_none(summary, report
 
 
 def test_latency_stands_beside_the_paper_with_bounds_where_there_are_values(summary, report_config):
-    def given(command, action):
-        return GivenCommand(command, 0.2, action, "accepted", "", False)
-
     many = tuple(given("tense", 0.01 * k) for k in range(1, 101))
-    few = (given("stop", 0.3), given("stop", 0.5), given("release", math.nan))
-    by_hand = (GivenCommand("tense", math.nan, math.nan, "accepted", "", False, "hand"),)
+    few = (given("stop", 0.3), given("stop", 0.5), given("release"))
+    by_hand = (given(by="hand", decided=math.nan),)
     pool = pool_of(report_config, replace(summary, given=(*many, *few, *by_hand)))
     rows = {row[0]: row[1:] for row in pool_tables.latency_table(pool).rows}
-    assert rows["tense"][:3] == ("100", "0.20", "0.51")
+    assert rows["tense"][:3] == ("100", "0.10", "0.51")
     assert rows["tense"][3:] == ("0.51 (0.40 to 0.61)", "0.95 (0.90 to 1.00)", "1.14")
-    assert rows["stop"] == ("2", "0.20", "0.40", "0.40", "0.49", "1.29")
-    assert rows["release"] == ("0", "0.20", "–", "–", "–", "1.42")
+    assert rows["stop"] == ("2", "0.10", "0.40", "0.40", "0.49", "1.29")
+    assert rows["release"] == ("0", "0.10", "–", "–", "–", "1.42")
     assert rows["all"][0] == "102" and rows["all"][-1] == "1.75"
 
 
 def test_voice_and_pedal_stand_beside_each_other_with_their_bounds(summary, report_config):
-    def given(by, reaction, outcome="accepted"):
-        decided = 0.1 if by == "voice" else math.nan
-        return GivenCommand("tense", decided, reaction, outcome, "", False, by)
-
-    spoken = [given("voice", 0.3 + 0.01 * k) for k in range(9)] + [
-        given("voice", math.nan, "refused")
-    ]
-    pressed = [given("pedal", 0.02)]
+    spoken = [*(given(reaction=0.3 + 0.01 * k) for k in range(9)), given(outcome="refused")]
+    pressed = [given(reaction=0.02, by="pedal", decided=math.nan)]
     said = changed(summary, ("tense", "tense"), ("stop", "tense"), ("tense", NOTHING))
     pool = pool_of(report_config, replace(said, given=(*pressed, *spoken)))
     assert pool_tables.inputs_table(pool).rows == [
@@ -157,8 +153,7 @@ def test_voice_and_pedal_stand_beside_each_other_with_their_bounds(summary, repo
 
 
 def test_a_command_unknown_to_the_paper_has_a_row_without_its_figure(summary, report_config):
-    extra = GivenCommand("wave", 0.1, 0.2, "accepted", "", False)
-    pool = pool_of(report_config, replace(summary, given=(extra,)))
+    pool = pool_of(report_config, replace(summary, given=(given("wave", 0.2),)))
     rows = {row[0]: row for row in pool_tables.latency_table(pool).rows}
     assert rows["wave"] == ("wave", "1", "0.10", "0.20", "0.20", "0.20", "–")
 
@@ -177,11 +172,9 @@ def test_refusals_are_counted_by_their_kind(message, reason):
 
 
 def test_refusals_of_many_sessions_are_counted_most_frequent_first(summary, report_config):
-    def refused(command, message):
-        return GivenCommand(command, 0.1, math.nan, "refused", message, False)
-
-    given = [refused("tense", "halted; say"), refused("stop", "x"), refused("tense", "halted")]
-    pool = pool_of(report_config, replace(summary, given=tuple(given)))
+    asked = (("tense", "halted; say"), ("stop", "x"), ("tense", "halted"))
+    refused = [given(command, outcome="refused", message=words) for command, words in asked]
+    pool = pool_of(report_config, replace(summary, given=tuple(refused)))
     assert pool_tables.reasons_table(pool.refusals).rows == [
         ("tense", "halted", "2"),
         ("stop", "x", "1"),
@@ -189,11 +182,9 @@ def test_refusals_of_many_sessions_are_counted_most_frequent_first(summary, repo
 
 
 def test_the_facts_count_refusals_among_the_commands_beside_them(summary, report_config):
-    def given(by, outcome):
-        return GivenCommand("tense", 0.1, math.nan, outcome, "/light, away", False, by)
-
-    mixed = [given("voice", "accepted"), given("voice", "refused"), given("voice", "failed")]
-    mixed += [given("pedal", "refused")] * 4
+    away = {"message": "/light, away"}
+    mixed = [given(outcome=outcome, **away) for outcome in ("accepted", "refused", "failed")]
+    mixed += [given(by="pedal", outcome="refused", **away)] * 4
     pool = pool_of(report_config, replace(summary, given=tuple(mixed)))
     spoken = pool.inputs["voice"]
     assert (spoken.given, spoken.refused) == (3, 1) and pool.outcomes["refused"] == 5

@@ -11,6 +11,16 @@ from support.story import MOTION, OUTSIDE_UNTIL, SPEECH, Story, recording_of
 from tests.unit.session_log.support.foreign import write_foreign
 
 
+@pytest.fixture
+def extracted(tmp_path, report_config):
+    """What a report takes from a recording of these messages."""
+
+    def of(messages):
+        return extract(recording_of(tmp_path / "s.mcap", messages), report_config)
+
+    return of
+
+
 def test_every_utterance_is_there_with_its_times(data):
     assert [h.transcript for h in data.heard] == [words for _, _, words, _, _ in SPEECH]
     first = data.heard[0]
@@ -40,36 +50,36 @@ def test_fast_topics_are_sampled_and_every_interval_is_kept(data, report_config)
     assert len(joints.length) == data.recording.topics["/joint_states"].messages - 1
 
 
-def test_a_lost_message_makes_no_late_cycle(tmp_path, report_config):
+def test_a_lost_message_makes_no_late_cycle(extracted):
     story = Story()
     for sequence in (1, 2, 3, 40, 41):
         story.say(0.002 * sequence, "/joint_states", "sensor_msgs/JointState")
         data = story.messages[-1].data
         numbered = sequence.to_bytes(4, "little") + data[4:]
         story.messages[-1] = story.messages[-1]._replace(data=numbered)
-    (loop,) = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config).loops
+    (loop,) = extracted(story.messages).loops
     assert list(loop.length) == pytest.approx([0.002] * 3, abs=1e-6)
 
 
-def test_a_stamp_that_was_not_set_is_replaced_by_the_time_of_arrival(tmp_path, report_config):
+def test_a_stamp_that_was_not_set_is_replaced_by_the_time_of_arrival(extracted):
     story = Story(duration=1.0)
     story.event(0.5, "accepted", "tense", "")
     (message,) = story.messages
     unset = message._replace(data=message.data[:4] + bytes(8) + message.data[12:])
     story.messages = [unset]
-    (event,) = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config).events
+    (event,) = extracted(story.messages).events
     assert event.time == 0.0
 
 
-def test_messages_that_do_not_fit_are_counted_not_fatal(tmp_path, report_config):
+def test_messages_that_do_not_fit_are_counted_not_fatal(extracted):
     story = Story(duration=1.0)
     story.event(0.5, "accepted", "tense", "")
     story.put(0.6, "/rst_control/event", b"\1\2")
-    found = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config)
+    found = extracted(story.messages)
     assert found.undecodable == {"/rst_control/event": 1} and len(found.events) == 1
 
 
-def test_many_pictures_are_thinned_over_the_whole_session(tmp_path, report_config):
+def test_many_pictures_are_thinned_over_the_whole_session(extracted):
     story = Story(duration=1.0)
     for k in range(200):
         story.say(
@@ -79,8 +89,7 @@ def test_many_pictures_are_thinned_over_the_whole_session(tmp_path, report_confi
             format="png",
             data=b"x",
         )
-    session = recording_of(tmp_path / "s.mcap", story.messages)
-    times = [p.time for p in extract(session, report_config).pictures]
+    times = [p.time for p in extracted(story.messages).pictures]
     assert 8 <= len(times) <= 16 and times[0] == 0.0 and times[-1] > 160.0
 
 
@@ -91,29 +100,29 @@ def test_the_worst_of_diagnostics_is_kept_with_its_time(data):
 
 
 @pytest.mark.parametrize("levels", [(0, 2, 3, 0), (0, 3, 2, 0)])
-def test_no_state_of_a_part_hides_its_error(tmp_path, report_config, levels):
+def test_no_state_of_a_part_hides_its_error(extracted, levels):
     story = Story()
     status = class_of("diagnostic_msgs/DiagnosticStatus")
     for k, level in enumerate(levels):
         said = [status(name="arm", level=level, message=f"level {level}")]
         story.say(1.0 + k, "/diagnostics", "diagnostic_msgs/DiagnosticArray", status=said)
-    (health,) = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config).health
+    (health,) = extracted(story.messages).health
     assert (health.worst, health.worst_message) == (2, "level 2")
     assert health.worst_time == pytest.approx(float(levels.index(2)))
 
 
-def test_an_empty_recording_has_nothing(tmp_path, report_config):
-    data = extract(recording_of(tmp_path / "s.mcap"), report_config)
+def test_an_empty_recording_has_nothing(extracted):
+    data = extracted(())
     assert data.heard == [] and data.joints is None and data.recording.messages == 0
 
 
-def test_what_came_of_a_call_to_a_device_is_kept(tmp_path, report_config):
+def test_what_came_of_a_call_to_a_device_is_kept(extracted):
     story = Story()
     call = {"phrase": "light on", "target": "/theatre/light"}
     for time, is_done, message in ((1.0, True, ""), (2.0, False, "no answer in 1 s")):
         fields = {**call, "is_done": is_done, "message": message}
         story.say(time, "/voice_assist/device", "voice_assist/DeviceCall", **fields)
-    calls = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config).device_calls
+    calls = extracted(story.messages).device_calls
     assert [(c.kind, c.command, c.message) for c in calls] == [
         ("accepted", "light on", "/theatre/light"),
         ("refused", "light on", "/theatre/light, no answer in 1 s"),
@@ -122,13 +131,13 @@ def test_what_came_of_a_call_to_a_device_is_kept(tmp_path, report_config):
 
 
 @pytest.mark.parametrize("odd", [math.nan, math.inf, -math.inf])
-def test_a_force_that_is_no_number_is_left_out_and_the_others_kept(tmp_path, report_config, odd):
+def test_a_force_that_is_no_number_is_left_out_and_the_others_kept(extracted, odd):
     story = Story()
     for k, pull in enumerate((1.0, odd, 2.0)):
         wrench = class_of("geometry_msgs/WrenchStamped")().wrench
         wrench.force.z = pull
         story.say(1.0 + k, "/robot/tension", "geometry_msgs/WrenchStamped", wrench=wrench)
-    tension = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config).tension
+    tension = extracted(story.messages).tension
     assert list(tension["time"]) == pytest.approx([0.0, 2.0])
     assert list(tension["tension"]) == [1.0, 2.0]
 
@@ -146,14 +155,14 @@ ARM, BOTH = ["a", "b"], ["a", "b", "finger"]
     ],
 )
 def test_of_joint_states_of_several_lengths_those_of_most_messages_are_kept_and_others_counted(
-    tmp_path, report_config, others
+    extracted, others
 ):
     story = Story()
     rows = [(ARM, [0.1, 0.2]), *others, (ARM, [0.3, 0.4])]
     for k, (names, position) in enumerate(rows):
         fields = {"name": names, "position": position}
         story.say(1.0 + k, "/joint_states", "sensor_msgs/JointState", **fields)
-    found = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config)
+    found = extracted(story.messages)
     assert found.joints.columns == ("time", "a", "b")
     assert list(found.joints["time"]) == pytest.approx([0.0, len(rows) - 1.0])
     assert list(found.joints["a"]) == [0.1, 0.3] and list(found.joints["b"]) == [0.2, 0.4]
@@ -161,14 +170,14 @@ def test_of_joint_states_of_several_lengths_those_of_most_messages_are_kept_and_
     assert not found.undecodable and not found.missing_fields
 
 
-def test_joint_states_without_positions_give_no_joints(tmp_path, report_config):
+def test_joint_states_without_positions_give_no_joints(extracted):
     story = Story()
     story.say(1.0, "/joint_states", "sensor_msgs/JointState", name=ARM)
-    found = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config)
+    found = extracted(story.messages)
     assert found.joints is None and not found.missing_fields
 
 
-def test_after_the_clock_was_set_back_fast_topics_are_taken_again(tmp_path, report_config):
+def test_after_the_clock_was_set_back_fast_topics_are_taken_again(extracted):
     story = Story()
     wrench = class_of("geometry_msgs/WrenchStamped")().wrench
     wrench.force.z = 1.0
@@ -181,7 +190,7 @@ def test_after_the_clock_was_set_back_fast_topics_are_taken_again(tmp_path, repo
             story.say(time, "/joint_states", "sensor_msgs/JointState", **joints)
             story.say(time, "/rst_control/state", "rst_control/ControllerState", state="active")
             story.say(time, "/voice_assist/audio", "voice_assist/AudioChunk", **chunk)
-    data = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config)
+    data = extracted(story.messages)
     tables = (data.tension, data.joints, data.controller, data.sound)
     assert [len(table) for table in tables] == [20] * 4
     assert len(data.recording.clock_steps) == 1
@@ -208,10 +217,10 @@ def silent_controller(stretches, end):
 
 
 @pytest.mark.parametrize("length", [1.0, 30.0])  # in one batch, and in several
-def test_a_silent_controller_is_in_no_state(tmp_path, report_config, length):
+def test_a_silent_controller_is_in_no_state(extracted, length):
     stretches = [(0.0, length), (length + 5.0, 2.0 * length + 5.0)]
     messages = silent_controller(stretches, 100.0)
-    data = extract(recording_of(tmp_path / "s.mcap", messages), report_config)
+    data = extracted(messages)
     for spans in (data.states, data.phases):
         found = [time for span in spans for time in (span.start, span.end)]
         assert found == pytest.approx([time for ends in stretches for time in ends], abs=0.03)

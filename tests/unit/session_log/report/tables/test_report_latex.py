@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from session_log.mcap_file.reader import SessionReader
+from session_log.report import one_session
 from session_log.report.one_session import write_report
 from session_log.report.tables.latex import escape, table_text
 from session_log.report.tables.text_table import TextTable
@@ -41,7 +42,10 @@ def structure(text):
 @pytest.fixture(scope="module")
 def written(story, report_config, tmp_path_factory):
     folder = tmp_path_factory.mktemp("latex")
-    return write_report(SessionReader(story[0]), folder, report_config, latex=True).latex
+    with pytest.MonkeyPatch.context() as patch:
+        for figures in ("SESSION_FIGURES", "POOL_FIGURES"):
+            patch.setattr(one_session, figures, ())
+        return write_report(SessionReader(story[0]), folder, report_config, latex=True).latex
 
 
 def test_every_table_is_written_and_one_file_shows_them_all(written):
