@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`make test`: all tests; `--fast`, for `make check`: those that need no node and little time.
 
-Systems that hear come first, one at a time: recognition that waits for a core counts as one that
-hangs. Then two systems run at once, and no more, since each takes a core. The tests without nodes,
-and those that only read launch files or wait for no time, run on every core beside them, at a lower
-priority. With other arguments: one pytest with them.
+Systems that hear words come first, one at a time: recognition that waits for a core counts as one
+that hangs. Then two systems run at once, and no more, since each takes a core. The tests without
+nodes, and those that only read launch files or wait for no time, run on every core beside them, at
+a lower priority. With other arguments: one pytest with them.
 """
 
 from __future__ import annotations
@@ -25,13 +25,11 @@ WITH_NODES = ("rostest", "integration")
 HEARING = (
     "integration/test_end_to_end.py",  # the demo: all nodes, a browser and two pictures
     "integration/test_language.py",  # Whisper base, where `make languages` fetched it
-    "integration/test_install_space.py",
     "integration/test_paper.py",
     "integration/test_session_replay.py",
-    "integration/test_tutorial.py",
-    "integration/test_two_namespaces.py",
-    "integration/test_voice_node.py",
+    "integration/test_two_namespaces.py",  # hears nothing, but starts two systems
     "rostest/voice",
+    "integration/test_install_space.py",  # built beside those before it
 )
 WITHOUT = ("state_search", "simulation", "property", "docs", "traps", "unit", "launch")
 CORES = len(os.sched_getaffinity(0))
@@ -83,7 +81,7 @@ def _start_beside() -> subprocess.Popen[bytes]:
             _command("others", WITHOUT, CORES),
             stdout=file,
             stderr=subprocess.STDOUT,
-            preexec_fn=_give_way,
+            preexec_fn=give_way,
         )
 
 
@@ -145,7 +143,7 @@ def _places(arguments: Sequence[str]) -> list[str]:
     return [] if named else [str(ROOT / "tests")]
 
 
-def _give_way() -> None:
+def give_way() -> None:
     """In the child: lower its priority, and that of its session, which Linux weighs as a whole."""
     os.nice(NICE)
     os.setsid()

@@ -2,7 +2,7 @@
 """The wall clock of the running robot, of the controller, or of both is set in mid-motion.
 
 Messages are stamped by it; control and watchdogs go by the steady clock. It is set for single
-processes (`other_clock`), so that the machine keeps its own.
+processes (`other_clock`), so that the machine keeps its own. A Kinova arm: test_killed_bridge.py.
 """
 
 import json
@@ -13,13 +13,11 @@ from collections import Counter
 from pathlib import Path
 
 from support.waiting import wait_until
-from tests.support.ros_host import ROOT, ROSTEST
+from tests.support.ros_host import ROSTEST
 
-JUMPS = {"both": (0.3, 30.0, -3.0), "robot": (30.0, -3.0), "controller": (30.0, -3.0)}  # [s]
 PROGRAMS = Path(__file__).parent / "programs"
 CLOCK = PROGRAMS / "other_clock"
-RST_CONTROL = ROOT / "catkin_ws" / "src" / "rst_control"
-KINOVA = ROSTEST / "kinova"
+JUMPS = {"both": (0.3, 30.0, -3.0), "robot": (30.0, -3.0), "controller": (30.0, -3.0)}  # [s]
 WATCHED = 280.0  # [s] for all jumps on a loaded machine
 STEP = 5e-3  # [rad] that no joint goes from one joint state to the next, 2 ms later
 HELD = 1e-5  # [rad] that it may go while it is held
@@ -41,39 +39,6 @@ def test_at_worst_it_holds_names_it_and_goes_on_after_hey_robot(host, tmp_path):
     reported = re.findall(r"the wall clock was set by (\S+) s", said)
     assert {f"{float(one):+.1f}" for one in reported} == jumps
     assert {one["whose"] for one in found if one["state"] == "faulted"} == set(JUMPS)
-
-
-def test_a_kinova_arm_is_led_by_the_steady_clock(host, tmp_path):
-    """The clocks of its bridge, or of all nodes, are set."""
-    clocks = {name: tmp_path / name for name in ("kinova_bridge", "others")}
-    jumps = {"both": (30.0,), "robot": (30.0, -3.0)}
-    host.start_master()
-    settings = {
-        f"{name}_overrides": KINOVA / f"kinova_{file}.yaml"
-        for name, file in (
-            ("simulation", "robot"),
-            ("bridge", "bridge"),
-            ("controller", "controller"),
-        )
-    }
-    place = dict(zip(("trocar_x", "trocar_y", "trocar_z"), (0.406, -0.024, 0.415), strict=True))
-    off = dict.fromkeys(("voice", "alarms", "record"), "false")
-    limits = RST_CONTROL / "config" / "kinova_limits.yaml"
-    host.launch(
-        "kinova",
-        clock_of(clocks["others"], kinova_bridge=clocks["kinova_bridge"]),
-        simulate="true",
-        in_air="true",
-        speed_scale="1.0",
-        limits=limits,
-        **place,
-        **off,
-        **settings,
-    )
-    found, _ = witnessed(host, tmp_path, jumps, clocks.values())
-    assert Counter(one["whose"] for one in found) == {"both": 2, "robot": 4}
-    for one in found:
-        assert one["drift"] < 1e-4 and one["rcm"] < 1e-3, one
 
 
 def clock_of(file, **of_nodes):

@@ -2,7 +2,6 @@
 """The installed packages run without their sources, and without what lies under ~/.local."""
 
 import os
-import shutil
 import signal
 import subprocess
 from pathlib import Path
@@ -18,9 +17,6 @@ from support.theatre_sound import RATE, speak
 from support.waiting import wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
-FOLDERS = ("catkin_ws", "docker")
-BUILT = ("build", "devel", "install", "*.pyc", ".catkin_workspace")
-BROKEN = "raise ImportError('this em lies under ~/.local')\n"
 PATIENCE = 240.0  # [s] for the system to come up and take a command on a loaded machine
 REPEATS, PAUSE = 30, 3.0  # times that "hey robot" is said, and [s] of silence before each
 
@@ -28,48 +24,22 @@ pytestmark = [pytest.mark.slow, pytest.mark.timeout(900)]
 
 
 @pytest.fixture(scope="module")
-def home(tmp_path_factory):
-    """A home folder whose ~/.local has a broken package of the messages' generators."""
-    folder = tmp_path_factory.mktemp("home")
-    site = folder / ".local" / "lib" / "python3.11" / "site-packages"
-    site.mkdir(parents=True)
-    (site / "em.py").write_text(BROKEN, encoding="utf-8")
-    return folder
+def home(install_space):
+    """A home folder whose ~/.local has a broken package."""
+    return install_space.home
 
 
 @pytest.fixture(scope="module")
-def bare(home):
+def bare(install_space):
     """The environment of a fresh login, on a master of its own."""
-    return {
-        "HOME": str(home),
-        "PATH": "/usr/bin:/bin",
-        "LANG": "C.UTF-8",
-        "ROS_IP": "127.0.0.1",
-        "ROS_MASTER_URI": f"http://127.0.0.1:{free_port()}",
-        "ROS_LANG_DISABLE": "gencpp:genlisp",  # half of the build, of which nothing is looked at
-    }
+    return {**install_space.environment, "ROS_MASTER_URI": f"http://127.0.0.1:{free_port()}"}
 
 
 @pytest.fixture(scope="module")
-def prefix(tmp_path_factory, bare):
+def prefix(install_space):
     """An install space whose sources are gone."""
-    copy = tmp_path_factory.mktemp("copy")
-    prefix = tmp_path_factory.mktemp("prefix") / "space"
-    for name in FOLDERS:
-        leave_out = shutil.ignore_patterns(*BUILT)
-        shutil.copytree(ROOT / name, copy / name, symlinks=True, ignore=leave_out)
-    shutil.copy(ROOT / "LICENSE", copy)
-    (copy / ".venv").symlink_to((ROOT / ".venv").resolve())
-    built = subprocess.run(
-        [str(copy / "docker" / "setup.sh"), "install", str(prefix)],
-        env=bare,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert built.returncode == 0, built.stdout[-4000:] + built.stderr[-4000:]
-    shutil.rmtree(copy)
-    return prefix
+    install_space.finish()
+    return install_space.prefix
 
 
 @pytest.fixture

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import soundfile
 
-from support.waiting import wait_until
+from support.waiting import PATIENCE, wait_until
 from tests.support.ros_host import ASK
 from voice_assist.recognizer.checkpoint import FETCH, multilingual_path
 from voice_assist.training.data.voices import Prompt, speak
@@ -13,7 +13,6 @@ from voice_assist.types import RATE
 
 PAUSE, ROUNDS = 4.0, 8  # [s] before each word; times that all is said, until everything runs
 AGAIN = 1.5  # [s] before a motion is said again
-ENDED = 60.0  # [s] for a launch whose voice node cannot start
 
 
 @pytest.mark.skipif(not multilingual_path().is_file(), reason=FETCH)
@@ -28,7 +27,6 @@ def test_german_words_move_the_robot_and_alarms_are_german(host, tmp_path):
     quiet = [np.zeros(round(pause * RATE), np.int16) for pause in words.values()]
     sound = np.concatenate([part for pair in zip(quiet, said, strict=True) for part in pair])
     soundfile.write(tmp_path / "german.wav", np.tile(sound, ROUNDS), RATE)
-    host.start_master()
     host.launch(
         "system",
         language="de",
@@ -37,13 +35,13 @@ def test_german_words_move_the_robot_and_alarms_are_german(host, tmp_path):
         alarm_sound="false",
         sessions=tmp_path,
     )
+    wait_until(lambda: host.is_found("/rst_control/command"), "a controller", every=ASK)
     for line in ("hey robot: ", "tense: ", "stop: ", "„hallo roboter“"):
         wait_until(lambda line=line: line in host.said(), line, every=ASK)
 
 
 def test_without_its_model_the_voice_node_ends_and_names_what_fetches_it(host, tmp_path):
-    host.start_master()
     nothing = {"XDG_DATA_HOME": str(tmp_path)}
     launch = host.launch("voice", nothing, language="de", source="topic", prefix="")
-    launch.wait(ENDED)
+    launch.wait(PATIENCE)
     assert "`make languages` fetches Whisper base" in host.said()

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A voice node that cannot keep up is recorded, and the recording is heard again.
 
-One that keeps up is heard again in test_end_to_end.py. The controller is a stub that answers, so
-that nothing but the sound moves the session on.
+The controller is a stub that answers, so that nothing but the sound moves the session on.
 """
 
 import json
@@ -90,9 +89,8 @@ def record(folder, **changes):
     with closing(Host(folder)) as host:
         host.start_master()
         environment = host.environment
-        given = yaml.safe_dump(settings(folder, **changes))
-        words = ["rosparam", "load", "-", "/"]
-        subprocess.run(words, env=environment, input=given, text=True, check=True)
+        for node, given in settings(folder, **changes).items():
+            host.master.setParam(f"/{node}", given)
         recorder = [
             sys.executable,
             str(PACKAGES / "session_log/scripts/recorder"),

@@ -32,8 +32,8 @@ AT_REST = ("standby", "active", "halted")
 PRINTER = Path(__file__).parent / "programs" / "state_printer.py"
 START = 4 * PATIENCE  # [s] where the kinematics have to be compiled on a loaded machine
 PATIENT = (
-    "controller_overrides:=tests/data/tutorial_overrides.yaml"
-    " robot_overrides:=demo/robot_overrides.yaml"
+    "controller_overrides:=tests/rostest/patient_controller.yaml"
+    " robot_overrides:=tests/rostest/patient_robot.yaml"
 )
 
 

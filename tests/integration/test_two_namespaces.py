@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Two systems in namespaces of one master: each obeys its own words, and is recorded by itself."""
 
-import subprocess
-
 import pytest
 
 from session_log.export.arrays import read_columns
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import read_summary
-from support.waiting import PATIENCE, wait_until
+from support.waiting import wait_until
 from tests.support.ros_host import ASK, Host
 
 SIDES = ("left", "right")
@@ -28,18 +26,11 @@ def sessions(tmp_path_factory):
             host.launch("system", {"ROS_NAMESPACE": side}, sessions=folder, session=side, **QUIET)
         for side in SIDES:
             wait_until(lambda side=side: host.is_found(f"/{side}/rst_control/command"), every=ASK)
-        wait_until(lambda: call(host, "left", "hey robot").startswith("accepted: True"), every=0.5)
-        assert "in standby" in call(host, "right", "tense")
+        wait_until(lambda: "accepted: True" in host.give("hey robot", "/left"), every=0.5)
+        assert "in standby" in host.give("tense", "/right")
     finally:
         host.close()
     return {side: SessionReader(folder / side) for side in SIDES}
-
-
-def call(host, side, command):
-    words = ("rosservice", "call", f"/{side}/rst_control/command", f"command: '{command}'")
-    return subprocess.run(
-        words, env=host.environment, capture_output=True, text=True, timeout=PATIENCE
-    ).stdout
 
 
 def states(reader):

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import rosgraph
 import soundfile
 import soxr
 import yaml
@@ -91,8 +92,7 @@ def load(master, settings):
             branch = branch[parent]
         branch[key] = value if isinstance(value, (int, float)) else str(value)
     given["launched"] = json.dumps(given)  # as its first start keeps it
-    words = ["rosparam", "load", "-", "/voice_assist"]
-    subprocess.run(words, env=master, input=yaml.safe_dump(given), text=True, check=True)
+    rosgraph.Master("/test", master["ROS_MASTER_URI"]).setParam("/voice_assist", given)
 
 
 def firsts(seen, kind):

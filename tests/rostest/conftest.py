@@ -44,8 +44,7 @@ class RosTestFile(pytest.File):
         self.addfinalizer(self.folder.cleanup)
         self.host = Host(Path(self.folder.name))
         self.addfinalizer(self.host.close)
-        self.host.start_master()
-        self.system = self.host.start("roslaunch", "--wait", str(self.path))
+        self.system = self.host.start("roslaunch", str(self.path))  # which starts the master, too
         self.host.wait_for_nodes()
 
 

@@ -3,15 +3,21 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import sys
 import time
 import unittest
+from collections.abc import Sequence
+from xmlrpc.client import ServerProxy
 
+import rosgraph
 import rospy
 import rostest
 from geometry_msgs.msg import WrenchStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty
+from std_srvs.srv import Trigger
 
 from rst_control.msg import ControllerState, Event
 from rst_control.srv import Command
@@ -19,6 +25,9 @@ from support.waiting import PATIENCE
 
 START_LIMIT = PATIENCE  # [s] for the simulator and the compiled kernels to come up
 STATE_RATE = 50.0  # [Hz] of rst_control/state, in controller.yaml
+MOVING = 5e-3  # [rad/s] of the fastest joint of a robot that moves
+RESTING = 1e-3  # [rad/s] of one at rest, at most
+HOMED = "/tool_is_homed_by_tests"  # parameter
 
 
 class Halted(AssertionError):
@@ -128,13 +137,30 @@ class RobotClient:
         self.wait(lambda: self.command("hey robot").accepted, START_LIMIT, every=0.1)
         self.wait_for_state("active", "moving")
 
+    def wait_for_motion(self) -> None:
+        """Wait until the robot itself moves by what was accepted."""
+        self.wait(lambda: self.state.state == "moving" and self.speed() > MOVING)
+
+    def wait_for_rest(self) -> None:
+        """Wait until the robot itself is at rest, whatever the controller says."""
+        self.wait(lambda: self.speed() < RESTING)
+
+    def home_tool(self) -> None:
+        """Home the tool, as a person does before a session; once for all tests of a system."""
+        if rospy.has_param(HOMED):
+            return
+        home = rospy.ServiceProxy("robot/home_tool", Trigger)
+        home.wait_for_service(START_LIMIT)
+        self.wait(lambda: home().success, START_LIMIT)
+        rospy.set_param(HOMED, True)
+
     def start_fresh(self) -> None:
         """Bring the robot to rest, active, with nothing grasped, whatever the last test left."""
         self.wait_for_state("standby", "active", "halted", "faulted")
         self.activate()
         if self.state.tissue_held:
             self.say_and_finish("release")
-        self.wait(lambda: self.speed() < 1e-3)
+        self.wait_for_rest()
 
     def leave(self) -> None:
         """Leave the robot as it was found: in standby, with nothing grasped."""
@@ -156,12 +182,28 @@ class RobotClient:
         """Largest change of a joint within a time [rad]."""
         before = self.measured()
         rospy.sleep(seconds)
-        return max(abs(a - b) for a, b in zip(before, self.measured(), strict=True))
+        return apart(before, self.measured())
+
+    def away(self, place: Sequence[float]) -> float:
+        """Largest distance of a joint from where it was [rad]."""
+        return apart(place, self.joints.position)
 
     def max_rcm_error(self) -> float:
         """Largest RCM error that the controller reported while in motion [m]."""
         moving = [s.rcm_error for s in self.states if s.state in ("moving", "stopping")]
         return max(moving, default=0.0)
+
+
+def apart(one: Sequence[float], other: Sequence[float]) -> float:
+    """Largest difference of a joint between two places [rad]."""
+    return max(abs(a - b) for a, b in zip(one, other, strict=True))
+
+
+def kill(node: str) -> None:
+    """End a node as a crash does; a launch starts most of them again."""
+    me = rospy.get_name()
+    address = rosgraph.Master(me).lookupNode(node)
+    os.kill(ServerProxy(address).getPid(me)[2], signal.SIGKILL)
 
 
 class RobotTest(unittest.TestCase):

@@ -9,7 +9,7 @@ import rosgraph
 
 from support.launched_system import free_port
 from support.process_groups import end_group
-from support.waiting import wait_until
+from support.waiting import PATIENCE, wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
 ROSTEST = ROOT / "tests" / "rostest"
@@ -57,13 +57,14 @@ class Host:
 
     def start_master(self):
         process = self.start("roscore", "-p", str(self.port))
-        wait_until(self.is_there, "a master", every=ASK)
+        wait_until(lambda: self.parameter("/run_id"), "a master", every=ASK)  # which launches read
         return process
 
     def launch(self, name, beside=None, **arguments):
+        """Begin a launch file; one that is the only one needs no master before it."""
         words = [f"{key}:={value}" for key, value in arguments.items()]
         file = str(ROOT / "launch" / f"{name}.launch")
-        return self.start("roslaunch", "--wait", file, *words, beside=beside)
+        return self.start("roslaunch", file, *words, beside=beside)
 
     def said(self):
         """All that was printed by what was started here."""
@@ -77,7 +78,24 @@ class Host:
 
     def wait_for_nodes(self):
         """Wait until the first node of a launch is there; all parameters are set by then."""
-        wait_until(lambda: self.nodes() - CORE, "the first node", every=ASK)
+        wait_until(lambda: self.nodes() - CORE, "the first node", 2 * PATIENCE, every=ASK)
+
+    def give(self, command, namespace=""):
+        """What `rosservice call` prints of a command, as a client that begins anew."""
+        service = f"{namespace}/rst_control/command"
+        done = subprocess.run(
+            ["rosservice", "call", service, f"command: '{command}'"],
+            env=self.environment,
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
+            check=False,
+        )
+        return done.stdout + done.stderr
+
+    def parameter(self, name):
+        """A parameter by its full name; None where it, or the master, is not there."""
+        return self._asked(self.master.getParam, name)
 
     def nodes(self):
         """Names of the nodes that the master knows."""

@@ -15,11 +15,10 @@ import numpy as np
 import rospy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty
-from std_srvs.srv import Trigger
 
 from rst_control.types import ARM_JOINTS
 from support.raw_peer import process_of
-from tests.support.robot_client import START_LIMIT, RobotClient
+from tests.support.robot_client import RobotClient
 
 MOVING = 0.02  # [rad/s] of the fastest joint, in whose midst the bridge dies
 WATCHED = 6.0  # [s] after that
@@ -37,10 +36,8 @@ def main() -> None:
     rospy.Subscriber("simulation/joint_states", JointState, on_joints, tcp_nodelay=True)
     rospy.Subscriber("my_gen3/in/stop", Empty, lambda _: stops.append(time.monotonic()))
     robot = RobotClient()
-    home = rospy.ServiceProxy("robot/home_tool", Trigger)
-    home.wait_for_service(START_LIMIT)
-    robot.wait(lambda: home().success, START_LIMIT)
-    robot.activate()
+    robot.home_tool()
+    robot.start_fresh()
     robot.say("tense")
     robot.wait(lambda: seen[-1][1] > MOVING)
     before = len(stops)

@@ -2,8 +2,7 @@
 """Sets the wall clock of running nodes in mid-motion, and writes down what the robot did.
 
 Arguments: the jumps of each clock in JSON, the files that say how far the clocks of robot and
-controller are off (`other_clock`), and the file to write. A tool that has to be homed is homed, and
-the first motion confirmed.
+controller are off (`other_clock`), and the file to write. A tool that has to be homed is homed.
 """
 
 import json
@@ -15,12 +14,10 @@ import numpy as np
 import rospy
 import rosservice
 from sensor_msgs.msg import JointState
-from std_srvs.srv import Trigger
 
-from tests.support.robot_client import RobotClient
+from tests.support.robot_client import MOVING, RobotClient
 
 WHOSE = {"both": (1.0, 1.0), "robot": (1.0, 0.0), "controller": (0.0, 1.0)}  # shares of a jump
-MOVING = 5e-3  # [rad/s] of the fastest joint, in whose midst the clock is set
 RESTING = 1e-4  # [rad] in half a second
 WATCHED = 1.0  # [s] after that, twice as long as the oldest joint states that are believed
 
@@ -36,7 +33,7 @@ def main() -> None:
     robot = RobotClient()
     found = []
     if rospy.resolve_name("robot/home_tool") in rosservice.get_service_list():
-        prepare(robot)
+        robot.home_tool()
     for whose, jump in [(name, jump) for name, jumps in jumps_of.items() for jump in jumps]:
         robot.start_fresh()
         robot.say("tense")
@@ -50,18 +47,6 @@ def main() -> None:
     robot.start_fresh()
     robot.say_and_finish("tense")
     results.write_text(json.dumps(found), encoding="utf-8")
-
-
-def prepare(robot: RobotClient) -> None:
-    """Home the tool, and confirm that the first motion is safe."""
-    confirm = rospy.ServiceProxy("rst_control/confirm", Trigger)
-    home_tool = rospy.ServiceProxy("robot/home_tool", Trigger)
-    home_tool()
-    confirm()
-    robot.wait(lambda: home_tool().success)
-    robot.activate()
-    robot.refused("tense")  # the way is shown
-    robot.wait(lambda: confirm().success)
 
 
 def put_off(clock: Path, seconds: float) -> None:

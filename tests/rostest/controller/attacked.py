@@ -63,8 +63,7 @@ class Attacked(RobotTest):
         return topics
 
     def assert_still(self, place):
-        moved = max(abs(a - b) for a, b in zip(place, self.robot.joints.position, strict=True))
-        self.assertLess(moved, STILL)
+        self.assertLess(self.robot.away(place), STILL)
 
     def test_1_a_stranger_on_every_topic_moves_nothing_of_an_active_robot(self):
         self.robot.start_fresh()
@@ -105,7 +104,7 @@ class Attacked(RobotTest):
             self.cancel.publish(GoalID(id=cancelled))
             self.send_goal("release", f"late-{number}")
             self.robot.wait_for_state("halted", limit=5.0)
-            self.robot.wait(lambda: self.robot.speed() < 1e-3)
+            self.robot.wait_for_rest()
             place = self.robot.joints.position
             rospy.sleep(1.0)
             self.assert_still(place)
@@ -123,7 +122,7 @@ class Attacked(RobotTest):
         self.cancel.publish(GoalID(id="brief"))
         self.outcome("brief")
         self.robot.wait_for_state("halted", "active", limit=5.0)
-        self.robot.wait(lambda: self.robot.speed() < 1e-3)
+        self.robot.wait_for_rest()
 
     def test_6_a_second_controller_does_not_start_and_the_first_goes_on(self):
         self.robot.start_fresh()

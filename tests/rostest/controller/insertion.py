@@ -15,7 +15,7 @@ class Insertion(RobotTest):
         self.robot.wait(lambda: self.robot.state.insertion < 0.09, limit=60)
         self.robot.say("stop")
         self.robot.wait_for_state("halted")
-        self.robot.wait(lambda: self.robot.speed() < 1e-3)  # the robot plays set-points late
+        self.robot.wait_for_rest()  # the robot plays set-points late
         self.assertLess(self.robot.drift(0.3), 1e-3)
         self.assertGreater(self.robot.state.insertion, 0.0)
         self.assertIn("halted", self.robot.refused("withdraw"))

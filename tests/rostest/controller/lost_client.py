@@ -26,7 +26,7 @@ class LostClient(RobotTest):
         client = subprocess.Popen((sys.executable, __file__, CLIENT))
         self.addCleanup(client.wait)
         self.addCleanup(client.kill)
-        self.robot.wait(lambda: self.robot.state.state == "moving" and self.robot.speed() > 5e-3)
+        self.robot.wait_for_motion()
         return client
 
     def assert_held(self, *words):

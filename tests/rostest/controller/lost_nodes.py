@@ -5,16 +5,12 @@
 This test bears the name of the voice node, for the controller knows spoken commands by it.
 """
 
-import os
-import signal
 import unittest
-from xmlrpc.client import ServerProxy
 
-import rosgraph
 import rospy
 from std_msgs.msg import Time
 
-from tests.support.robot_client import RobotClient, run_tests
+from tests.support.robot_client import RobotClient, apart, kill, run_tests
 
 
 class LostNodes(unittest.TestCase):
@@ -26,10 +22,6 @@ class LostNodes(unittest.TestCase):
         cls.heartbeat = rospy.Publisher("rst_control/heartbeat", Time, queue_size=1)
         cls.robot.wait(lambda: cls.heartbeat.get_num_connections() > 0)
 
-    def _kill_the_robot(self):
-        api = rosgraph.Master(rospy.get_name()).lookupNode("robot")
-        os.kill(ServerProxy(api).getPid(rospy.get_name())[2], signal.SIGKILL)
-
     def tense(self):
         """Give the command, once the heartbeats have come."""
         self.robot.wait(lambda: self.robot.command("tense").accepted, every=0.1)
@@ -38,7 +30,7 @@ class LostNodes(unittest.TestCase):
         self.robot.start_fresh()
         beat = rospy.Timer(rospy.Duration(0.05), lambda _: self.heartbeat.publish(Time()))
         self.tense()
-        self.robot.wait(lambda: self.robot.state.state == "moving" and self.robot.speed() > 5e-3)
+        self.robot.wait_for_motion()
         beat.shutdown()
         self.robot.wait_for_state("faulted", limit=5)
         self.assertIn("voice node silent", self.robot.state.halt_reason)
@@ -57,14 +49,14 @@ class LostNodes(unittest.TestCase):
         for command in ("insert", "withdraw"):
             self.assertIn("by hand, never by voice", self.robot.refused(command))
         self.tense()
-        self.robot.wait(lambda: self.robot.state.state == "moving" and self.robot.speed() > 5e-3)
-        self._kill_the_robot()
+        self.robot.wait_for_motion()
+        kill("robot")
         self.robot.wait_for_state("faulted", limit=5)
         self.assertRegex(self.robot.state.halt_reason, "stale|not connected")
         self.assertIn("halted", self.robot.refused("tense"))
         self.robot.activate()  # `respawn` has started it again; nothing else was
         self.tense()
-        self.robot.wait(lambda: self.robot.state.state == "moving" and self.robot.speed() > 5e-3)
+        self.robot.wait_for_motion()
         self.robot.say("stop")
         self.robot.wait_for_state("halted")
 
@@ -74,14 +66,13 @@ class LostNodes(unittest.TestCase):
         self.robot.start_fresh()
         self.tense()
         self.robot.wait(lambda: self.robot.state.phase == "pull" and self.robot.tension > 0.2)
-        self._kill_the_robot()
+        kill("robot")
         self.robot.wait_for_state("faulted", limit=5)
         self.robot.activate()  # `respawn` has started it again: at home, with nothing held
         begun = self.robot.measured()
         self.assertIn("grasped", self.robot.refused("pull more"))
         rospy.sleep(1.0)
-        moved = max(abs(a - b) for a, b in zip(begun, self.robot.measured(), strict=True))
-        self.assertLess(moved, 1e-4)
+        self.assertLess(apart(begun, self.robot.measured()), 1e-4)
         self.assertFalse(self.robot.state.tissue_held)
         self.assertEqual(self.robot.state.state, "active")
 

@@ -2,17 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A controller that is started anew goes on from where the robot holds, whatever that is."""
 
-import os
-import signal
 import unittest
-from xmlrpc.client import ServerProxy
 
-import rosgraph
 import rospy
 from geometry_msgs.msg import Point
 
 from rst_control.srv import SetGraspPoint
-from tests.support.robot_client import RobotClient, run_tests
+from tests.support.robot_client import RobotClient, kill, run_tests
 
 FINGERS = slice(8, 10)
 ATTEMPTS = 4  # at stopping a release halfway
@@ -28,12 +24,11 @@ class RestartedController(unittest.TestCase):
         self._set_grasp_point(robot)
         self._release_halfway(robot)
         before = robot.joints.position
-        self._kill()
+        kill("controller")
         robot.wait(lambda: robot.state.state == "standby")
         self.assertEqual(robot.state.grasp_point_source, rospy.get_name())
         rospy.sleep(1.0)
-        moved = max(abs(a - b) for a, b in zip(before, robot.joints.position, strict=True))
-        self.assertLess(moved, 2e-5)
+        self.assertLess(robot.away(before), 2e-5)
         robot.activate()
         self.assertTrue(robot.state.tissue_held)
         robot.say_and_finish("release")
@@ -56,7 +51,7 @@ class RestartedController(unittest.TestCase):
             robot.wait(lambda: self._opening(robot) > HALF_OPEN[0])
             robot.say("stop")
             robot.wait_for_state("halted")
-            robot.wait(lambda: robot.speed() < 1e-3)
+            robot.wait_for_rest()
             if self._opening(robot) < HALF_OPEN[1]:
                 break
         self.assertTrue(HALF_OPEN[0] < self._opening(robot) < HALF_OPEN[1])
@@ -64,10 +59,6 @@ class RestartedController(unittest.TestCase):
 
     def _opening(self, robot):
         return sum(robot.joints.position[FINGERS])
-
-    def _kill(self):
-        api = rosgraph.Master(rospy.get_name()).lookupNode("controller")
-        os.kill(ServerProxy(api).getPid(rospy.get_name())[2], signal.SIGKILL)
 
 
 if __name__ == "__main__":

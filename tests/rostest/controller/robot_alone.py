@@ -2,15 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The controller dies in the middle of a motion: the robot side holds by itself."""
 
-import os
-import signal
 import unittest
-from xmlrpc.client import ServerProxy
 
-import rosgraph
-import rospy
-
-from tests.support.robot_client import RobotClient, run_tests
+from tests.support.robot_client import RobotClient, kill, run_tests
 
 
 class RobotAlone(unittest.TestCase):
@@ -20,10 +14,8 @@ class RobotAlone(unittest.TestCase):
         robot = RobotClient()
         robot.start_fresh()
         robot.say("tense")
-        robot.wait(lambda: robot.state.state == "moving" and robot.speed() > 5e-3)
-        api = rosgraph.Master(rospy.get_name()).lookupNode("controller")
-        pid = ServerProxy(api).getPid(rospy.get_name())[2]
-        os.kill(pid, signal.SIGKILL)
+        robot.wait_for_motion()
+        kill("controller")
         robot.wait(lambda: robot.drift(0.1) < 1e-4, limit=3)
         self.assertLess(robot.drift(0.5), 1e-3)
 

@@ -24,9 +24,6 @@ class StopInMotion(RobotTest):
         self.robot.start_fresh()
         self.robot.states.clear()
 
-    def moves(self):
-        self.robot.wait(lambda: self.robot.state.state == "moving" and self.robot.speed() > 5e-3)
-
     def assert_halts(self):
         self.robot.wait_for_state("halted", limit=5)
         self.assertIn("stop", self.robot.state.halt_reason)
@@ -38,19 +35,19 @@ class StopInMotion(RobotTest):
 
     def test_stop_by_service(self):
         self.robot.say("tense")
-        self.moves()
+        self.robot.wait_for_motion()
         self.robot.say("stop")
         self.assert_halts()
 
     def test_stop_by_topic(self):
         self.robot.say("tense")
-        self.moves()
+        self.robot.wait_for_motion()
         self.robot.stop_topic.publish(Empty())
         self.assert_halts()
 
     def test_cancelled_action(self):
         self.client.send_goal(AssistGoal(command="tense"))
-        self.moves()
+        self.robot.wait_for_motion()
         self.client.cancel_goal()
         self.assert_halts()
         self.assertTrue(self.client.wait_for_result(rospy.Duration(5)))
@@ -59,7 +56,7 @@ class StopInMotion(RobotTest):
 
     def test_stop_by_service_ends_the_action_with_its_reason(self):
         self.client.send_goal(AssistGoal(command="tense"))
-        self.moves()
+        self.robot.wait_for_motion()
         self.robot.say("stop")
         self.assert_halts()
         self.assertTrue(self.client.wait_for_result(rospy.Duration(5)))
@@ -68,7 +65,7 @@ class StopInMotion(RobotTest):
 
     def test_terminate_in_motion_brakes_and_stands_by(self):
         self.robot.say("tense")
-        self.moves()
+        self.robot.wait_for_motion()
         self.robot.say("terminate")
         self.robot.wait_for_state("standby", limit=5)
         self.robot.wait(lambda: self.robot.speed() < 2e-3, limit=2)

@@ -102,7 +102,7 @@ class TrocarService(RobotTest):
         self.robot.wait(lambda: self.robot.state.state == "moving")
         self.assertEqual(self.refused(self.new), "moving; wait until the robot is at rest")
         self.robot.wait_for_state("active", limit=60.0)
-        self.robot.wait(lambda: self.robot.speed() < 1e-3)
+        self.robot.wait_for_rest()
 
     def test_5_the_motion_went_through_the_new_trocar(self):
         self.robot.wait(lambda: self.robot.state.tissue_held)
@@ -117,7 +117,7 @@ class TrocarService(RobotTest):
 
     def test_7_after_release_it_may_be_set_back(self):
         self.robot.say_and_finish("release")
-        self.robot.wait(lambda: self.robot.speed() < 1e-3)
+        self.robot.wait_for_rest()
         here = self.new + ASIDE * self.shaft()[:3, 1]
         self.set(here)
         self.assertEqual(self.robot.state.state, "active")

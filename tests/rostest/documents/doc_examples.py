@@ -7,17 +7,20 @@ import re
 import shutil
 import signal
 import subprocess
+import time
 import unittest
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import rospy
 from sensor_msgs.msg import JointState
+from std_msgs.msg import String
 
+from support.waiting import wait_until
 from tests.support.doc_lines import all_lines, marker_of
 from tests.support.robot_client import START_LIMIT, RobotClient, run_tests
 
 ROOT = Path(__file__).resolve().parents[3]
-
 SESSIONS = ROOT / ".cache" / "doc_examples"
 A_SESSION = re.compile(r"^sessions/\S+$")
 FEEDBACK = "/my_gen3/base_feedback/joint_state"
@@ -28,13 +31,18 @@ ENDLESS = ("rostopic hz",)
 
 
 def lines_of(system):
-    """Lines that are executed against a system; what several pages have, of any session, once."""
-    found = {}
+    """Lines that are executed against a system, page by page.
+
+    What several pages have, of any session, is executed once.
+    """
+    found, pages = {}, {}
     for line in all_lines():
         marker = marker_of(line)
         if marker and marker.system == system:
             found.setdefault(tuple(A_SESSION.sub("a session", word) for word in line.words), line)
-    return list(found.values())
+    for line in found.values():
+        pages.setdefault(line.page, []).append(line)
+    return list(pages.values())
 
 
 class DocExamples(unittest.TestCase):
@@ -48,7 +56,12 @@ class DocExamples(unittest.TestCase):
             rospy.wait_for_message(FEEDBACK, JointState, START_LIMIT)
         if cls.system == "recording":
             rospy.wait_for_message("joint_states", JointState, START_LIMIT)
-            rospy.sleep(RECORDED)
+            files = []
+            rospy.Subscriber("session_log/file", String, lambda m: files.append(m.data))
+            wait_until(lambda: files and files[-1], "a recording")
+            cls.session = Path(files[-1]).resolve().parent
+            begun = cls.session.stat().st_mtime  # when the file was made in it
+            rospy.sleep(max(0.0, begun + RECORDED - time.time()))
 
     @classmethod
     def tearDownClass(cls):
@@ -58,13 +71,25 @@ class DocExamples(unittest.TestCase):
             shutil.rmtree(SESSIONS, ignore_errors=True)
 
     def test_every_line_does_what_its_page_says(self):
-        lines = lines_of(self.system)
-        self.assertTrue(lines)
+        pages = lines_of(self.system)
+        self.assertTrue(pages)
+        # pages that share a robot, or the files of a session, are followed one after the other
+        at_once = len(pages) if self.system == "drivers" else 1
+        with ThreadPoolExecutor(at_once) as pool:
+            wrong = [words for found in pool.map(self.follow, pages) for words in found]
+        self.assertEqual(wrong, [])
+
+    def follow(self, lines):
+        """Execute the lines of one page in their order; gives what went wrong."""
+        wrong = []
         for line in lines:
-            with self.subTest(page=line.page, line=line.number, text=line.text):
+            try:
                 if self.robot:
                     self.robot.start_fresh()
                 self.check(line, self.execute(line))
+            except (AssertionError, subprocess.TimeoutExpired) as error:
+                wrong.append(f"{line.page}:{line.number}: {line.text}: {error}")
+        return wrong
 
     def execute(self, line):
         """Run a line in the repository; returns what it printed."""
@@ -89,9 +114,7 @@ class DocExamples(unittest.TestCase):
 
     def place(self, word):
         """The session of this test in the place of the one that a page names."""
-        if not A_SESSION.match(word):
-            return word
-        return str(max((SESSIONS / "sessions").iterdir()))
+        return str(self.session) if A_SESSION.match(word) else word
 
     def check(self, line, printed):
         """What the page promises of the line."""

@@ -7,7 +7,6 @@ import unittest
 import rospy
 from geometry_msgs.msg import WrenchStamped
 from std_msgs.msg import Bool, String
-from std_srvs.srv import Trigger
 
 from tests.support.robot_client import START_LIMIT, Halted, RobotClient, run_tests
 
@@ -28,8 +27,6 @@ class KinovaTorques(unittest.TestCase):
         rospy.Subscriber("simulation/gripped", Bool, lambda m: setattr(cls, "gripped", m.data))
         rospy.Subscriber("robot/tension_invalid_reason", String, cls.on_invalid)
         cls.robot = RobotClient()
-        cls.home_tool = rospy.ServiceProxy("robot/home_tool", Trigger)
-        cls.home_tool.wait_for_service(START_LIMIT)
 
     @classmethod
     def on_true(cls, message):
@@ -78,7 +75,7 @@ class KinovaTorques(unittest.TestCase):
 
     def test_1_before_the_jaws_were_open_at_rest_it_is_not_trusted(self):
         self.robot.wait(lambda: self.invalid and self.invalid.startswith("no tare"), START_LIMIT)
-        self.robot.wait(lambda: self.home_tool().success, START_LIMIT)
+        self.robot.home_tool()
         self.robot.activate()
 
     def test_2_tense_pulls_to_about_the_tension_asked_for(self):

@@ -4,7 +4,6 @@
 
 import os
 import shutil
-import threading
 import unittest
 from pathlib import Path
 
@@ -12,42 +11,16 @@ import numpy as np
 import rospy
 
 from support.waiting import PATIENCE, wait_until
+from tests.support.microphone import Microphone
 from tests.support.robot_client import run_tests
-from voice_assist.msg import AudioChunk, Mode
+from voice_assist.msg import Mode
 from voice_assist.srv import Enroll
 from voice_assist.training.data.voices import HELD_OUT_ACCENT, Prompt, speak
+from voice_assist.types import RATE
 
-RATE, CHUNK = 16_000, 512
 NOISE = 10.0  # of 32767: a quiet room
 DELAY = 0.6  # [s] from the call to the word
 FOLDER = Path(os.environ["ROS_HOME"]) / "enrolment_test"  # as nodes.test has it
-
-
-class Room:
-    """Sound without end, with words in it where asked for."""
-
-    def __init__(self):
-        self._topic = rospy.Publisher("voice_assist/audio", AudioChunk, queue_size=100)
-        self._rng, self._sent = np.random.default_rng(1), 0
-        self._words, self._lock = np.zeros(0), threading.Lock()
-        self._timer = rospy.Timer(rospy.Duration(CHUNK / RATE), self._publish)
-
-    def say(self, text, gain):
-        """Speak, after a moment."""
-        (sound,) = speak([Prompt(text, "espeak", f"{HELD_OUT_ACCENT}+Alex", 1.0, 0.5)])
-        with self._lock:
-            self._words = np.concatenate([np.zeros(round(DELAY * RATE)), gain * sound])
-
-    def _publish(self, _):
-        block = self._rng.normal(0.0, NOISE, CHUNK)
-        with self._lock:
-            words, self._words = self._words[:CHUNK], self._words[CHUNK:]
-        block[: len(words)] += words
-        chunk = AudioChunk(rate=RATE, first_sample=self._sent)
-        chunk.header.stamp = rospy.Time.now()
-        chunk.samples = np.clip(block, -32767, 32767).astype(np.int16).tolist()
-        self._topic.publish(chunk)
-        self._sent += CHUNK
 
 
 class EnrolmentByService(unittest.TestCase):
@@ -56,7 +29,7 @@ class EnrolmentByService(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         shutil.rmtree(FOLDER, ignore_errors=True)
-        cls.room = Room()
+        cls.room = Microphone("voice_assist/audio", NOISE)
         cls.mode = rospy.Publisher("voice_assist/mode", Mode, queue_size=1, latch=True)
         cls.mode.publish(Mode(mode="standby"))
         rospy.wait_for_service("voice_assist/enroll", PATIENCE)
@@ -70,7 +43,8 @@ class EnrolmentByService(unittest.TestCase):
 
     def record(self, text, gain=1.0):
         if text:
-            self.room.say(text, gain)
+            (sound,) = speak([Prompt(text, "espeak", f"{HELD_OUT_ACCENT}+Alex", 1.0, 0.5)])
+            self.room.play(np.concatenate([np.zeros(round(DELAY * RATE)), gain * sound]))
         return self.enroll("ada", "record")
 
     def test_1_it_says_what_to_say_and_records_nothing(self):

@@ -94,9 +94,7 @@ class LostRecording(unittest.TestCase):
             self.robot.start_fresh()
             count = self.robot.finished("tense")
             self.robot.say("tense")
-            self.robot.wait(
-                lambda: self.robot.state.state == "moving" and self.robot.speed() > 5e-3
-            )
+            self.robot.wait_for_motion()
             recorder.kill()
             self.robot.wait(lambda: self.robot.finished("tense") > count)
             self.assertTrue(self.robot.state.tissue_held)
@@ -113,8 +111,8 @@ class LostRecording(unittest.TestCase):
             recorder = Recorder(self, Path(folder) / "second")
             self.wait_for_status("rst_control: recording", IS_RECORDED)
             self.robot.start_fresh()
-            self.robot.say_and_finish("tense")
-            self.robot.say_and_finish("release")
+            self.robot.say("tense")
+            self.robot.say("stop")
             recorder.end()
             self.wait_for_status("rst_control: recording", "the recorder was shut down")
 

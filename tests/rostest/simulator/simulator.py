@@ -11,6 +11,7 @@ import unittest
 import numpy as np
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
+from driver_contract_fast import NAMES
 from geometry_msgs.msg import WrenchStamped
 from sensor_msgs.msg import CompressedImage, JointState
 from std_msgs.msg import Bool, String
@@ -18,12 +19,6 @@ from std_srvs.srv import Trigger
 
 from support.waiting import PATIENCE, wait_until
 from tests.support.robot_client import run_tests
-
-NAMES = [f"joint_{i}" for i in range(1, 8)] + [
-    "joint_pitch",
-    "joint_finger_left",
-    "joint_finger_right",
-]
 
 
 class Simulator(unittest.TestCase):

@@ -5,13 +5,9 @@
 import asyncio
 import os
 import re
-import signal
 import sys
 from pathlib import Path
-from xmlrpc.client import ServerProxy
 
-import rosgraph
-import rosnode
 import rospy
 from geometry_msgs.msg import Point, PointStamped
 
@@ -21,9 +17,9 @@ from rst_control.srv import SetGraspPoint
 from rst_control.tissue.sheet import rest_points
 from support.browser import MISSING, Browser, find_browser
 from support.waiting import wait_until
-from tests.rostest.voice.spoken_topic import Microphone
+from tests.support.microphone import Microphone
 from tests.support.page import click, click_picture, enter, text
-from tests.support.robot_client import RobotTest, run_tests
+from tests.support.robot_client import RobotTest, kill, run_tests
 from voice_assist.msg import Utterance
 from voice_assist.ros.display.endoscope import camera_of
 
@@ -151,12 +147,6 @@ def node_beside_the_grasp_point():
     camera = camera_of(*endoscope_messages(config))
     u, v, w = camera.matrix @ (camera.pose[:3, :3].T @ (point - camera.pose[:3, 3]))
     return point.tolist(), (u / w / camera.size[0], v / w / camera.size[1])
-
-
-def kill(node):
-    """End a node as a crash does; the launch starts it again."""
-    address = rosnode.get_api_uri(rosgraph.Master("/test"), node)
-    os.kill(ServerProxy(address).getPid("/test")[2], signal.SIGKILL)
 
 
 if __name__ == "__main__":
