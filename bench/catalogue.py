@@ -259,9 +259,7 @@ _PAPER = Area(
     "The experiment of the paper in the whole running system. Times count from the last audible "
     "sound. Ours are synthetic voices on the processor; the paper's are people, on an RTX A6000. "
     "Training had the accents of the non-native voices, in other variants of espeak-ng's voices. "
-    "Accents that it never had are in `voice.trials` and `voice.foreign`. In the 30 repetitions "
-    "the networks computed in float32, on a slow machine. Recognition fell behind, so times are "
-    "longer and more was missed. The 8 are newer: of networks that compute in bfloat16.",
+    "Accents that it never had are in `voice.trials` and `voice.foreign`.",
     (
         Part(
             "paper",
@@ -270,16 +268,6 @@ _PAPER = Area(
             code.SYSTEM,
             SYNTHETIC,
             command="make paper INPUT=voice,pedal",
-            details=(r"p95$", "median$"),
-            decides="motion",
-        ),
-        Part(
-            "paper_8_repetitions",
-            "Eight repetitions, by voice and by pedal",
-            "",
-            code.SYSTEM,
-            SYNTHETIC,
-            command="make paper INPUT=voice,pedal REPETITIONS=8",
             details=(r"p95$", "median$"),
             decides="motion",
         ),

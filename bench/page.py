@@ -33,10 +33,7 @@ its bound does not. "None" in the column of targets: reported without one. Where
 decides a figure was changed after it was measured, the table says so. Older results lack some
 fields: "-".
 
-What is of 28 November 2026 was measured on a machine a quarter slower than what is older. There
-hearing took nine tenths of a core while the robot moved, so a "stop" was late. Some are newer,
-of networks that compute in bfloat16. They are `safety.spoken`, `system.cost`, `voice.answers`,
-`voice.overlap_network` and the paper's 8 repetitions.
+What is of 28 November 2026 was measured on a machine a quarter slower than what is older.
 """
 SAME, ALIKE = "the same decisions", "the same motions"
 WHO = {HUMAN: HUMAN, SYNTHETIC: SYNTHETIC, "people:": HUMAN}  # by words in a figure's name

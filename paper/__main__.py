@@ -50,7 +50,6 @@ VOICE, PEDAL = "voice", "pedal"  # inputs
 INTERRUPTED = 130  # exit status of a session that Ctrl-C ended
 END_TIME = 2.5 * STOP_TIME  # [s] for a session to end its launches one after the other
 RESULT = "paper.json"
-SHORT, SHORT_RESULT = 8, "paper_8_repetitions.json"  # a run that is kept beside the full one
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -81,7 +80,7 @@ def main(words: Sequence[str] | None = None) -> int:
         status = _press_all(config, repetitions, out, console) or status
     finished = [v for v in voices if is_finished(out / v.name, settings_of(config, v, repetitions))]
     is_whole = status == 0 and len(finished) >= int(VOICES)
-    result = {config.repetitions: RESULT, SHORT: SHORT_RESULT}.get(repetitions, "")
+    result = RESULT if repetitions == config.repetitions else ""
     _conclude(voices, out, result if is_whole else "", console)
     return status
 

@@ -47,10 +47,8 @@ def play(folder, command="stop"):
     ("finished", "input_", "repetitions", "result"),
     [
         (4, "voice", 30, "paper.json"),
-        (4, "voice", 8, "paper_8_repetitions.json"),
-        (4, "voice", 5, ""),
+        (4, "voice", 8, ""),
         (3, "voice", 30, ""),
-        (3, "voice", 8, ""),
         (0, "pedal", 30, ""),
         (4, "pedal", 30, "paper.json"),
     ],
