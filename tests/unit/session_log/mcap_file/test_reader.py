@@ -141,6 +141,16 @@ def test_a_hole_is_reported_with_its_place_and_the_messages_that_are_missing(sou
     assert (result.messages, result.missing) == (COUNT - 3, 3)
 
 
+@pytest.mark.parametrize("is_chunked", [False, True])
+def test_what_follows_the_ending_is_named_and_not_read(sound, chunked, tmp_path, is_chunked):
+    content, _ = chunked if is_chunked else sound
+    (tmp_path / "session.mcap").write_bytes(2 * content)  # two recordings in one file
+    result = read_summary(SessionReader(tmp_path))
+    (damage,) = result.condition.damage
+    assert (damage.offset, damage.length) == (len(content), len(content))
+    assert (result.messages, result.missing, result.condition.is_closed) == (COUNT, 0, True)
+
+
 def test_a_changed_byte_inside_a_message_is_found_by_the_checksum(sound, tmp_path):
     content, ends = sound
     at = ends[20] - 3

@@ -49,7 +49,7 @@ class RecordWalker:
     def walk(self, start: int) -> Iterator[McapRecord | Damage]:
         """Yield every record from `start` on, and a `Damage` for each stretch that is none.
 
-        Ends after a footer or at the end of the file.
+        What follows a file's ending is one stretch.
         """
         position = start
         while position < self._size:
@@ -61,6 +61,9 @@ class RecordWalker:
                 yield record
                 position = end
                 if record.opcode == FOOTER:
+                    rest = position + len(MAGIC)
+                    if rest < self._size:
+                        yield Damage(rest, self._size - rest, "not read: after the file's ending")
                     return
             else:  # none, or one whose damaged length would swallow sound records
                 yield _damage(position, found, self._size)
