@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from mcap.reader import make_reader
 
 from session_log.mcap_file.reader import SessionReader
-from session_log.mcap_file.records import CHUNK, FOOTER, HEAD, MAGIC
+from session_log.mcap_file.records import CHUNK, DATA_END, HEAD, MAGIC, MESSAGE_INDEX
 from session_log.mcap_file.recover import recover
 from session_log.mcap_file.writer import SessionWriter
 from session_log.types import Message, MessageSource
@@ -151,18 +151,43 @@ def test_no_damage_stops_recovery_or_goes_unsaid(recordings, tmp_path_factory, n
             assert content.count(message) >= count
 
 
-@pytest.mark.parametrize("name", ["chunked", "killed in chunks"])
-def test_a_chunk_that_one_wrong_bit_makes_an_ending_hides_nothing_after_it(
-    recordings, tmp_path, name
-):
-    content, at, chunks = bytearray(recordings[name].content), len(MAGIC), []
-    while len(chunks) < 2:  # the first names the topics
-        opcode, length = HEAD.unpack_from(content, at)
-        chunks += [at] if opcode == CHUNK else []
+def second(opcode, content):
+    """Where the second record of an opcode begins [B]; the first chunk names the topics."""
+    at, places = len(MAGIC), []
+    while len(places) < 2:
+        found, length = HEAD.unpack_from(content, at)
+        places += [at] if found == opcode else []
         at += HEAD.size + length
-    content[chunks[-1]] = FOOTER
+    return places[-1]
+
+
+@pytest.mark.parametrize("name", ["chunked", "killed in chunks"])
+@pytest.mark.parametrize("opcode", [k for k in range(1, 16) if k != CHUNK])
+def test_a_chunk_that_wrong_bits_make_another_record_is_named_and_hides_nothing_after_it(
+    recordings, tmp_path, name, opcode
+):
+    content = bytearray(recordings[name].content)
+    content[second(CHUNK, content)] = opcode
     result, found, _ = rescue(bytes(content), tmp_path)
-    assert COUNT / 2 < len(found) < COUNT and result.condition.damage
+    assert COUNT / 2 < len(found) < COUNT and len(result.condition.damage) == 1
+
+
+@pytest.mark.parametrize("name", ["chunked", "killed in chunks"])
+@pytest.mark.parametrize("bit", range(8))
+def test_no_wrong_bit_makes_a_message_of_an_index(recordings, tmp_path, name, bit):
+    content = bytearray(recordings[name].content)
+    content[second(MESSAGE_INDEX, content)] ^= 1 << bit
+    result, found, _ = rescue(bytes(content), tmp_path)
+    assert found == recordings[name].messages and len(result.condition.damage) == 1
+
+
+def test_an_ending_whose_begin_is_damaged_is_no_loss_of_its_own(recordings, tmp_path):
+    content = bytearray(recordings["chunked"].content)
+    at = content.rindex(HEAD.pack(DATA_END, 4))
+    content[at] ^= 1  # a summary offset
+    result, found, _ = rescue(bytes(content), tmp_path)
+    (damage,) = result.condition.damage
+    assert found == recordings["chunked"].messages and damage.offset == at
 
 
 @pytest.mark.parametrize("name", ["closed", "killed"])

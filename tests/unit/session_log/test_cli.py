@@ -182,6 +182,24 @@ def test_export_of_a_damaged_recording_says_so_and_fails(story, tmp_path, capsys
     assert code == 1 and "not closed" in out and "cut off inside a record" in out
 
 
+@pytest.mark.parametrize(
+    ("metadata", "status"),
+    [
+        ({"losses": {"/rst_control/event from /p": "3 dropped, 0 missed"}}, 1),
+        ({"losses": {"/rst_control/event from /p": "0 dropped, 1 missed"}}, 0),
+        ({"losses": {"/rst_control/event_2 from /p": "3 dropped, 0 missed"}}, 0),  # no table
+        ({"recovered": {"was_closed": "False", "unreadable_bytes": "9"}}, 1),
+        ({"recovered": {"was_closed": "True", "checksum": "wrong"}}, 1),
+        ({"recovered": {"was_closed": "False", "unreadable_bytes": "0"}}, 0),
+    ],
+)
+def test_export_fails_where_the_recording_itself_says_that_rows_are_lost(
+    tmp_path, capsys, metadata, status
+):
+    recording_of(tmp_path / "s.mcap", metadata=metadata)
+    assert run(capsys, "export", tmp_path / "s.mcap", "--out", tmp_path)[0] == status
+
+
 def test_export_of_messages_that_do_not_fit_fails(tmp_path, capsys):
     path = write_foreign(tmp_path / "s.mcap", ["/rst_control/event"])
     code, out, _ = run(capsys, "export", path, "--out", tmp_path)

@@ -2,6 +2,7 @@
 import json
 import struct
 import wave
+from dataclasses import replace
 
 import pytest
 
@@ -11,6 +12,7 @@ from session_log.mcap_file.decoder import Decoder
 from session_log.mcap_file.reader import SessionReader
 from session_log.types import Message, MessageSource
 from support.story import Story, numbered, recording_of
+from tests.unit.session_log.support.broken_disk import break_reading
 from tests.unit.session_log.support.foreign import write_foreign
 
 
@@ -56,9 +58,38 @@ def test_topics_of_one_plain_name_and_of_two_types_have_a_file_each(tmp_path):
     assert set(result.rows.values()) == {1} and result.topics == {"/a_b", "/a/b", "/a/b_2"}
 
 
+@pytest.mark.parametrize(("md5sum", "rows"), [("", [1, 1]), ("1" * 32, [2])])
+def test_two_definitions_have_a_file_each_unless_their_md5_sum_says_that_they_are_one(
+    tmp_path, md5sum, rows
+):
+    sources = [MessageSource("/t", "a/T", md5sum, f"int8 {name}\n") for name in ("x", "x #[m]")]
+    if not md5sum:
+        sources[1] = replace(sources[1], definition="int8 x\nint8 y")
+    messages = [Message(s, bytes(1 if md5sum else k), 10**18, k) for k, s in enumerate(sources, 1)]
+    result = export_topics(recording_of(tmp_path / "s.mcap", messages), tmp_path, ["/t"], "/none")
+    assert list(result.rows.values()) == rows and not result.undecodable
+    heads = [path.read_text("utf-8").splitlines()[0] for path in result.rows]
+    assert heads == ["log_time,x", "log_time,x,y"][: len(rows)]
+
+
+def test_sound_of_another_rate_than_the_first_is_left_out_and_named(tmp_path):
+    story = Story()
+    for first, rate in ((0, 16_000), (1, 8_000), (1, 16_000)):
+        fields = {"rate": rate, "first_sample": first, "samples": [7]}
+        story.say(0.0, "/a", "voice_assist/AudioChunk", **fields)
+    reader = recording_of(tmp_path / "s.mcap", story.messages)
+    result = export_topics(reader, tmp_path / "out", [], "/a")
+    assert (result.samples, result.undecodable) == (2, 1)
+    assert "rate is 8000 Hz, in audio.wav it is 16000" in result.unfit["/a"]
+
+
 @pytest.mark.parametrize(
     ("datatype", "fields"),
-    [("std_msgs/String", {"data": "x"}), ("voice_assist/AudioChunk", {"rate": 0, "samples": [1]})],
+    [
+        ("voice_assist/AudioChunk", {"rate": 2**32 - 1, "samples": [1]}),
+        ("std_msgs/String", {"data": "x"}),
+        ("voice_assist/AudioChunk", {"rate": 0, "samples": [1]}),
+    ],
 )
 def test_sound_of_another_type_is_counted_and_the_tables_are_whole(tmp_path, datatype, fields):
     story = Story()
@@ -78,12 +109,8 @@ def test_messages_of_another_encoding_are_counted_and_not_written(tmp_path):
 
 
 def test_a_disk_that_fails_while_it_is_read_names_the_recording(tmp_path, monkeypatch):
-    def broken(topics):
-        raise OSError(5, "Input/output error")
-        yield
-
     reader = recording_of(tmp_path / "s.mcap")
-    monkeypatch.setattr(reader, "messages", broken)
+    break_reading(monkeypatch)
     with pytest.raises(SessionMissing, match=r"s\.mcap: Input/output error"):
         export_topics(reader, tmp_path / "out", [], "/a")
 

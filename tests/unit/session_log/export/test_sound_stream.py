@@ -6,6 +6,7 @@ from array import array
 
 import pytest
 
+from session_log.errors import OutputFailed
 from session_log.export import sound_stream
 from session_log.export.sound_stream import SoundFile, StreamWatch
 
@@ -62,3 +63,14 @@ def test_silence_is_bounded_over_all_gaps_and_what_is_lost_beyond_it_counted(wri
     assert list(samples) == [7, 0, 0, 0, 7, 0, 0, 7, 7]
     assert sound.lost == 3 + 5 + 10**15 - 11
     assert sound.unfilled == sound.lost - 5
+
+
+@pytest.mark.parametrize("firsts", [(0, 1, 2, 3), (0, 3)], ids=["sound", "silence"])
+def test_more_than_a_file_can_hold_is_named_and_what_is_in_it_stays(written, monkeypatch, firsts):
+    monkeypatch.setattr(sound_stream, "MOST_SOUND", 6)  # [B]
+    with pytest.raises(OutputFailed, match=r"audio\.wav: more sound than the 4 GiB"):
+        written(*firsts)
+
+
+def test_a_file_of_the_most_sound_has_a_sound_head():
+    assert 36 + sound_stream.MOST_SOUND < 1 << 32

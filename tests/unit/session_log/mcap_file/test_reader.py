@@ -14,6 +14,7 @@ from session_log.mcap_file.records import CHECKSUM_BODY, HEAD
 from session_log.mcap_file.summary import read_summary
 from session_log.mcap_file.writer import SessionWriter
 from session_log.types import Message, MessageSource
+from tests.unit.session_log.support.broken_disk import break_reading
 from tests.unit.session_log.support.unchunked import UnchunkedWriter
 
 NOW = 1_795_200_000_000_000_000
@@ -246,3 +247,20 @@ def test_a_missing_file_and_an_empty_folder_are_named(tmp_path):
         SessionReader(tmp_path / "none")
     with pytest.raises(SessionMissing, match=r"a folder without session\.mcap"):
         SessionReader(tmp_path)
+
+
+def test_a_disk_that_fails_is_named_with_the_recording(sound, tmp_path, monkeypatch):
+    (tmp_path / "session.mcap").write_bytes(sound[0])
+    reader = SessionReader(tmp_path)
+    break_reading(monkeypatch)
+    with pytest.raises(SessionMissing, match=r"session\.mcap: Input/output error"):
+        list(reader.messages())
+    with pytest.raises(SessionMissing, match=r"session\.mcap: Input/output error"):
+        SessionReader(tmp_path)
+
+
+def test_an_error_of_who_reads_is_none_of_the_recording(sound, tmp_path):
+    (tmp_path / "session.mcap").write_bytes(sound[0])
+    with pytest.raises(OSError, match="No space left"):
+        for _ in SessionReader(tmp_path).messages():
+            raise OSError(28, "No space left")

@@ -152,6 +152,8 @@ def test_a_damaged_encoding_in_a_file_of_ours_is_no_other_encoding(tmp_path):
     ("changes", "words"),
     [
         ({}, []),
+        ({"checksum": "good"}, []),
+        ({"checksum": "wrong"}, ["copied from a.mcap, which had a wrong checksum"]),
         ({"was_closed": "False"}, ["copied from a.mcap, which was not closed"]),
         ({"unreadable_bytes": "9"}, ["copied from a.mcap, which lost 9 bytes"]),
         (
@@ -164,3 +166,14 @@ def test_a_copy_is_judged_by_its_account(changes, words):
     account = {"from": "a.mcap", "was_closed": "True", "unreadable_bytes": "0", "damage": ""}
     condition = FileCondition(metadata=[("recovered", {**account, **changes})])
     assert RecordingSummary(condition).cuts == words
+
+
+def test_a_copy_says_that_its_original_had_a_wrong_checksum(tmp_path):
+    encodings = {"message_encoding": "ros1", "schema_encoding": "ros1msg"}
+    options = {"use_chunking": False, "enable_data_crcs": True}
+    path = write_foreign(tmp_path / "s.mcap", **encodings, **options)
+    content = path.read_bytes()
+    path.write_bytes(content.replace(b"\1\0\0\0x", b"\1\0\0\0y"))
+    assert recover(SessionReader(path), tmp_path / "new.mcap").condition.checksum == "wrong"
+    words = "copied from s.mcap, which had a wrong checksum"
+    assert read_summary(SessionReader(tmp_path / "new.mcap")).cuts == [words]

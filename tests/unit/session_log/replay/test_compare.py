@@ -10,6 +10,7 @@ from tests.unit.session_log.support.fake_pipeline import utterance
 from typed_config import load_config, load_yaml
 
 CONFIG = load_config(ReplayConfig, load_yaml(REPLAY_CONFIG), "replay.yaml")
+NAN = float("nan")
 THREE = [utterance(1.0), utterance(4.0, transcript="stop", command="stop"), utterance(9.0)]
 
 
@@ -56,6 +57,8 @@ def test_two_that_change_places_are_one_difference_of_order():
         ({"wer": {"tense": 0.5, "stop": 1.0}}, "WER"),
         ({"wer": {"tense": 0.0}}, "WER"),
         ({"confidence": 0.89}, "confidence"),
+        ({"confidence": NAN}, "confidence"),
+        ({"wer": {"tense": NAN, "stop": 1.0}}, "WER"),
         ({"nearest_command": "stop"}, "nearest_command"),
         ({"mode": "standby"}, "mode"),
         ({"decided_by": "spotter"}, "decided_by"),
@@ -67,6 +70,11 @@ def test_each_field_that_differs_is_named(change, kind):
     recorded = [utterance(1.0), utterance(4.0), utterance(9.0)]
     now = [recorded[0], replace(recorded[1], **change), recorded[2]]
     assert kinds(recorded, now) == [(2, (kind,))]
+
+
+def test_what_is_no_number_then_and_now_is_the_same():
+    undecided = replace(THREE[0], confidence=NAN, wer={"tense": NAN})
+    assert kinds([undecided], [replace(undecided)]) == []
 
 
 def test_several_fields_of_one_utterance_are_one_difference():

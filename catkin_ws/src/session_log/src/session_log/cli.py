@@ -102,11 +102,11 @@ def _export(arguments: argparse.Namespace) -> int:
         print(f"{result.undecodable} messages do not fit their definition")
         for reason in result.unfit.values():
             print(reason)
-    condition = reader.condition
-    for line in _troubles(RecordingSummary(condition)):
+    summary = RecordingSummary(reader.condition)
+    for line in _troubles(summary):
         print(line)
-    is_sound = not condition.damage and condition.checksum != "wrong"
-    return 0 if is_sound and not result.undecodable and not (arguments.topic and without) else 1
+    is_whole = not summary.lacks({*wanted, topics.audio}) and not result.undecodable
+    return 0 if is_whole and not (arguments.topic and without) else 1
 
 
 def _note(arguments: argparse.Namespace) -> int:

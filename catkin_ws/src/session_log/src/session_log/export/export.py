@@ -16,8 +16,8 @@ from operator import index
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
-from session_log.errors import OutputFailed, SessionLogError, SessionMissing
-from session_log.export.sound_stream import SoundFile
+from session_log.errors import OutputFailed, SessionLogError
+from session_log.export.sound_stream import MOST_RATE, SoundFile
 from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable, fields_of, is_time
 from session_log.mcap_file.reader import SessionReader
 from session_log.types import Message
@@ -91,13 +91,6 @@ def export_topics(
         raise OutputFailed(folder, error) from error
 
 
-def _messages(reader: SessionReader, topics: Collection[str]) -> Iterator[Message]:
-    try:
-        yield from reader.messages(topics)
-    except OSError as error:  # of the recording's disk, not of the output's
-        raise SessionMissing(reader.path, error.strerror or "cannot be read") from error
-
-
 class _Table(Protocol):
     """One topic as a file."""
 
@@ -130,7 +123,7 @@ class _Exporter:
         self._result = Export()
 
     def run(self, reader: SessionReader) -> Export:
-        for message in _messages(reader, {*self._topics, self._audio}):
+        for message in reader.messages({*self._topics, self._audio}):
             try:
                 self._take(message)
             except (Undecodable, MissingField) as error:
@@ -160,16 +153,19 @@ class _Exporter:
     def _hear(self, content: Any) -> None:
         rate, first = index(content.rate), index(content.first_sample)
         samples = array("h", content.samples)
-        if rate <= 0:
-            raise ValueError(f"rate is {rate}, allowed: above 0")
+        if not 0 < rate <= MOST_RATE:
+            raise ValueError(f"rate is {rate} Hz, allowed: 1 to {MOST_RATE}")
         if self._sound is None:
             path = self._folder / "audio.wav"
             self._sound = self._stack.enter_context(SoundFile(path, rate))
+        if rate != self._sound.rate:
+            raise ValueError(f"rate is {rate} Hz, in audio.wav it is {self._sound.rate}")
         self._sound.add(first, samples)
 
     def _tables_of(self, message: Message) -> list[_Table]:
         source = message.source
-        key = (source.topic, source.datatype, source.md5sum)
+        # one MD5 sum has texts that differ in comments; where it is not given, fields may differ
+        key = (source.topic, source.datatype, source.md5sum or source.definition)
         if key not in self._tables:
             stem = self._stems[source.topic]
             if any(topic == source.topic for topic, *_ in self._tables):

@@ -5,9 +5,14 @@ from __future__ import annotations
 
 import wave
 from array import array
+from errno import EFBIG
 from pathlib import Path
 
+from session_log.errors import OutputFailed
+
 MOST_SILENCE = 57_600_000  # samples in a file: an hour at 16 kHz, 115 MB
+MOST_RATE = (1 << 31) - 1  # [Hz] the file has 4 bytes for twice the rate
+MOST_SOUND = (1 << 32) - 64  # [B] it has 4 bytes for its size, head included
 _BLOCK = 1 << 16  # samples that are written at once
 
 
@@ -33,13 +38,16 @@ class SoundFile:
         rate: Of the samples [Hz].
 
     Attributes:
+        rate: The same.
         samples: How many were recorded.
         lost: How many are missing within runs.
         unfilled: How many of those have no silence in their place: there were too many.
     """
 
     def __init__(self, path: Path, rate: int) -> None:
-        self.path, self.samples, self.lost, self.unfilled = path, 0, 0, 0
+        self.path, self.rate = path, rate
+        self.samples = self.lost = self.unfilled = 0
+        self._size = 0  # [B]
         self._watch = StreamWatch()
         self._file = wave.open(str(path), "wb")  # noqa: SIM115 - closed in __exit__
         self._file.setnchannels(1)
@@ -47,11 +55,15 @@ class SoundFile:
         self._file.setframerate(rate)
 
     def add(self, first: int, samples: array[int]) -> None:
-        """Take the next block of sound, whose first sample has this index in its run."""
+        """Take the next block of sound, whose first sample has this index in its run.
+
+        Raises:
+            OutputFailed: There is more sound than the file can hold; what is in it stays.
+        """
         is_new, missing = self._watch(first, len(samples))
         if not is_new:
             self._fill(missing)
-        self._file.writeframes(samples.tobytes())
+        self._write(samples.tobytes())
         self.samples += len(samples)
 
     def _fill(self, missing: int) -> None:
@@ -59,7 +71,14 @@ class SoundFile:
         self.lost += missing
         self.unfilled += missing - silence
         for begin in range(0, silence, _BLOCK):
-            self._file.writeframes(bytes(2 * min(_BLOCK, silence - begin)))
+            self._write(bytes(2 * min(_BLOCK, silence - begin)))
+
+    def _write(self, sound: bytes) -> None:
+        if self._size + len(sound) > MOST_SOUND:
+            words = "more sound than the 4 GiB that a WAV file can hold"
+            raise OutputFailed(self.path, OSError(EFBIG, words))
+        self._file.writeframes(sound)
+        self._size += len(sound)
 
     def __enter__(self) -> SoundFile:
         return self

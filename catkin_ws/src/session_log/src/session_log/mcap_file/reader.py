@@ -24,6 +24,12 @@ from typed_config import RECORDING, newest_recording
 
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 _FOOTER_SIZE = records.HEAD.size + 20
+_INDEX = struct.Struct("<HI")  # channel, size of the entries [B]
+_OURS = {  # among the data
+    *(records.HEADER, records.SCHEMA, records.CHANNEL, records.CHUNK),
+    *(records.METADATA, records.CHECKSUM),
+}
+_SIZES = {records.DATA_END: 4, records.FOOTER: 20}  # [B] of their bodies, in our files
 _EARLIEST = 946_684_800_000_000_000  # [ns] the year 2000; times before it are damage
 _LATEST = 4_102_444_800_000_000_000  # [ns] the year 2100
 
@@ -69,16 +75,22 @@ class SessionReader:
     def __init__(self, path: Path | str, *, tolerant: bool = False) -> None:
         self.path = _find(Path(path))
         self.condition = FileCondition()
-        with _open(self.path) as file:
-            begin = file.read(len(MAGIC))
+        begin = _beginning(self.path)
         if begin != MAGIC and not tolerant:
             raise NotASession(self.path, f"begins with {begin!r}" if begin else "is empty")
         self._start = len(MAGIC) if begin == MAGIC else 0
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[Message]:
-        """Yield every readable message of the given topics (None: all) in the order of the file."""
-        with _open(self.path) as file:
-            yield from _Pass(file, self._start, self._new_condition()).messages(topics)
+        """Yield every readable message of the given topics (None: all) in the order of the file.
+
+        Raises:
+            SessionMissing: The file cannot be read any further.
+        """
+        try:  # errors of the caller do not come here
+            with _open(self.path) as file:
+                yield from _Pass(file, self._start, self._new_condition()).messages(topics)
+        except OSError as error:
+            raise _unreadable(self.path, error) from error
 
     def _new_condition(self) -> FileCondition:
         self.condition = FileCondition(size=self.path.stat().st_size)
@@ -94,6 +106,8 @@ class _Pass:
         self._channels: dict[int, MessageSource] = {}
         self._checksum = zlib.crc32(MAGIC)
         self._is_data_over = False
+        self._has_chunks = False
+        self._summary = condition.size  # [B] where it begins, if known
         self._from_ending: dict[int, MessageSource] = {}
         self._named_at = -1  # [B] of the last record that named a topic
         self._walker = RecordWalker(file, self._accepts)
@@ -110,7 +124,9 @@ class _Pass:
         yield from self._given(self._held.release(), topics)
 
     def _take(self, record: McapRecord, topics: Collection[str] | None) -> Iterator[Message]:
-        if record.opcode in (records.MESSAGE, records.METADATA):
+        if not self._belongs(record):
+            self._lose(record, "damaged " + _name(record.opcode))
+        elif record.opcode in (records.MESSAGE, records.METADATA):
             yield from self._given(self._held.hold(record), topics)
         elif record.opcode == records.CHECKSUM and len(record.body) == CHECKSUM_BODY.size:
             opened = self._held.open(record, is_foreign=self._condition.is_foreign)
@@ -128,6 +144,24 @@ class _Pass:
         if not self._is_data_over:
             head = records.HEAD.pack(record.opcode, len(record.body))
             self._checksum = zlib.crc32(record.body, zlib.crc32(head, self._checksum))
+
+    def _belongs(self, record: McapRecord) -> bool:
+        """Whether our writer writes such a record at this place; of others nothing is known.
+
+        One wrong bit makes another record of a chunk, or of an index a message.
+        """
+        is_ending = self._is_data_over or record.offset >= self._summary
+        if is_ending or self._condition.is_foreign:
+            return True
+        opcode, length = record.opcode, len(record.body)
+        if opcode == records.MESSAGE:
+            return not self._has_chunks
+        if opcode == records.MESSAGE_INDEX:
+            is_whole = length >= _INDEX.size
+            return is_whole and length == _INDEX.size + _INDEX.unpack_from(record.body)[1]
+        if opcode in _SIZES:
+            return length == _SIZES[opcode]
+        return opcode in _OURS
 
     def _given(
         self, released: Iterator[McapRecord], topics: Collection[str] | None
@@ -223,6 +257,7 @@ class _Pass:
         except UNREADABLE:
             self._lose(chunk, "damaged chunk")
             return
+        self._has_chunks = True
         nameless = 0
         for opcode, begin, end in places:
             if opcode == records.MESSAGE:
@@ -239,8 +274,12 @@ class _Pass:
             self._lose(chunk, f"{nameless} messages of topics whose names are lost")
 
     def _lose(self, record: McapRecord, what: str) -> None:
-        length = records.HEAD.size + len(record.body)
-        self._condition.damage.append(Damage(record.offset, length, what))
+        begin, end = record.offset, record.offset + records.HEAD.size + len(record.body)
+        damage = self._condition.damage
+        last = damage[-1] if damage else None
+        if last and (last.offset + last.length, last.what) == (begin, what):
+            begin = damage.pop().offset  # a lost index has a record for each chunk
+        damage.append(Damage(begin, end - begin, what))
 
     def _accepts(self, opcode: int, length: int, begin: bytes) -> bool:
         is_foreign = self._condition.is_foreign
@@ -268,6 +307,7 @@ class _Pass:
             if isinstance(item, McapRecord) and item.opcode in (records.SCHEMA, records.CHANNEL):
                 self._note(item)
         self._from_ending = dict(self._channels)
+        self._summary = summary
 
 
 def _stream(body: bytes) -> ReadDataStream:
@@ -287,7 +327,7 @@ def _find(path: Path) -> Path:
             return found
         is_there = path.exists()
     except OSError as error:  # it may not be looked into
-        raise SessionMissing(path, error.strerror or "cannot be read") from error
+        raise _unreadable(path, error) from error
     if not is_there:
         raise SessionMissing(path, "no such file or folder")
     return path
@@ -297,4 +337,16 @@ def _open(path: Path) -> BinaryIO:
     try:
         return path.open("rb", buffering=1 << 20)
     except OSError as error:
-        raise SessionMissing(path, error.strerror or "cannot be read") from error
+        raise _unreadable(path, error) from error
+
+
+def _beginning(path: Path) -> bytes:
+    try:
+        with _open(path) as file:
+            return file.read(len(MAGIC))
+    except OSError as error:
+        raise _unreadable(path, error) from error
+
+
+def _unreadable(path: Path, error: OSError) -> SessionMissing:
+    return SessionMissing(path, error.strerror or "cannot be read")

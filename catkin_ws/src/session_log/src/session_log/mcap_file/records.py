@@ -17,7 +17,7 @@ LONGEST = 1 << 31  # [B] no record of ours is longer
 WINDOW = 1 << 20  # [B] searched at once for the next record
 
 HEADER, FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK = 0x01, 0x02, 0x03, 0x04, 0x05, 0x06
-METADATA, DATA_END = 0x0C, 0x0F
+MESSAGE_INDEX, METADATA, DATA_END = 0x07, 0x0C, 0x0F
 CHECKSUM = 0x80  # ours: MCAP leaves opcodes from 0x80 on to applications, and readers skip them
 CHECKSUM_BODY = struct.Struct("<QI")  # how many bytes before this record it covers, their CRC-32
 SHORTEST = {HEADER: 8, FOOTER: 20, SCHEMA: 14, CHANNEL: 16, MESSAGE: 22, CHUNK: 40, DATA_END: 4}

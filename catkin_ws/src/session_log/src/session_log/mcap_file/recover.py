@@ -82,6 +82,7 @@ def _account(result: RecordingSummary, source: Path) -> dict[str, str]:
     return {
         "from": source.name,
         "was_closed": str(condition.is_closed),
+        "checksum": condition.checksum,
         "messages": str(result.messages),
         "missing_messages": str(result.missing),
         "unreadable_bytes": str(sum(d.length for d in condition.damage)),

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from datetime import datetime
 
@@ -60,6 +60,17 @@ class RecordingSummary:
         """What was lost before this file was copied from another one, in words; empty: nothing."""
         accounts = (values for name, values in self.condition.metadata if name == ACCOUNT)
         return [words for account in accounts if (words := _cut(account))]
+
+    def lacks(self, topics: Collection[str]) -> bool:
+        """Whether messages of these topics may be lost: by damage, here or before, or dropped.
+
+        A recording that was only not closed has all that it had received but the last moment.
+        """
+        condition = self.condition
+        accounts = (values for name, values in condition.metadata if name == ACCOUNT)
+        is_damaged = bool(condition.damage) or condition.checksum == "wrong"
+        dropped = any(name.partition(" from ")[0] in topics for name in self.dropped)
+        return is_damaged or dropped or any(_lost(account) for account in accounts)
 
     @property
     def start(self) -> int:
@@ -146,10 +157,16 @@ def read_summary(reader: SessionReader) -> RecordingSummary:
 
 def _cut(account: dict[str, str]) -> str:
     """What a copy says of losses in the file it was made from; empty: that file was sound."""
+    was_closed = account.get("was_closed") == "True"
+    troubles = [*([] if was_closed else ["was not closed"]), *_lost(account)]
+    return f"copied from {account.get('from')}, which {' and '.join(troubles)}" if troubles else ""
+
+
+def _lost(account: dict[str, str]) -> list[str]:
     troubles = []
-    if account.get("was_closed") != "True":
-        troubles.append("was not closed")
     unreadable = account.get("unreadable_bytes", "0")
     if unreadable != "0" or account.get("damage"):
         troubles.append(f"lost {unreadable} bytes")
-    return f"copied from {account.get('from')}, which {' and '.join(troubles)}" if troubles else ""
+    if account.get("checksum") == "wrong":  # older copies do not say
+        troubles.append("had a wrong checksum")
+    return troubles

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
+from math import isnan
 
 from session_log.replay.config import ReplayConfig
 from session_log.replay.pipeline_plugin import Decided
@@ -66,19 +67,24 @@ def _fields(then: Decided, now: Decided, config: ReplayConfig) -> Iterator[str]:
         yield "reason"
     if not _is_same_wer(then.wer, now.wer, config.wer_tolerance):
         yield "WER"
-    if abs(then.confidence - now.confidence) > config.confidence_tolerance:
+    if not _is_close(then.confidence, now.confidence, config.confidence_tolerance):
         yield "confidence"
     for name in ("nearest_command", "mode", "decided_by", "is_partial"):
         if getattr(then, name) != getattr(now, name):
             yield name
-    if abs(then.speech_end - now.speech_end) > config.time_tolerance:
+    if not _is_close(then.speech_end, now.speech_end, config.time_tolerance):
         yield "end of speech"
 
 
 def _is_same_wer(then: Mapping[str, float], now: Mapping[str, float], tolerance: float) -> bool:
     return then.keys() == now.keys() and all(
-        abs(value - now[phrase]) <= tolerance for phrase, value in then.items()
+        _is_close(value, now[phrase], tolerance) for phrase, value in then.items()
     )
+
+
+def _is_close(then: float, now: float, tolerance: float) -> bool:
+    """Whether two numbers count as the same; what is no number is like nothing but its like."""
+    return abs(then - now) <= tolerance or (isnan(then) and isnan(now))
 
 
 def _without_numbers(reason: str) -> str:
