@@ -6,8 +6,12 @@ SHELL := /bin/bash
 PY := .venv/bin/python
 # Packages under ~/.local would come before Debian's and ours
 export PYTHONNOUSERSITE := 1
-# Taken from make's command line alone: an environment has words of its own, such as gettext's LANGUAGE=en_GB:en
-$(foreach name,ARGS DEVICE GUI INPUT LANGUAGE MIC MODE MODEL OUT PREFIX ROBOT SESSION TARGET,$(if $(filter environment,$(origin $(name))),$(eval undefine $(name))))
+# Taken from make's command line alone: an environment has words of its own, such as gettext's LANGUAGE=en_GB:en.
+# Not JOBS and REPETITIONS, which bench/ takes from the environment.
+$(foreach name,ARGS BRIDGE DEVICE GUI INPUT LANGUAGE LATEX LIMITS MANIFEST MIC MODE MODEL NOISE ONLY OUT PREFIX ROBOT SCENE SECONDS SESSION SNR TARGET TORQUES \
+    TROCAR URDF VOICES,$(if $(filter environment,$(origin $(name))),$(eval undefine $(name))))
+# Before anything is set up
+$(foreach name,GUI LATEX MIC,$(if $(or $(filter-out 0 1,$($(name))),$(word 2,$($(name)))),$(error $(name) is '$($(name))', allowed: 1 for yes, 0 or nothing for no)))
 # ROS on loopback only; the workspace's packages on every path
 RUN := unset PYTHONPATH PYTHONHOME ROS_HOSTNAME ROS_NAMESPACE && . catkin_ws/devel/setup.sh && export ROS_IP=127.0.0.1 PATH="$(CURDIR)/.venv/bin:$$PATH" &&
 
@@ -62,7 +66,7 @@ install: setup ## PREFIX=/opt/voice_assist: an install space that runs without t
 	@docker/setup.sh install "$$PREFIX"
 
 demo: setup ## a spoken session moves the simulated robot; GUI=1 opens its window, MIC=1 listens to you, ROBOT=kinova_strict leads it as Kinova's driver is led
-	@$(RUN) python -m demo $(if $(GUI),--gui) $(if $(MIC),--microphone) $(if $(ROBOT),--robot '$(ROBOT)') $(if $(OUT),--out "$$OUT")
+	@$(RUN) python -m demo $(if $(filter 1,$(GUI)),--gui) $(if $(filter 1,$(MIC)),--microphone) $(if $(ROBOT),--robot '$(ROBOT)') $(if $(OUT),--out "$$OUT")
 
 film: .setup/dev ## the same session as a GIF and as a video file with its sound and captions: film.gif and film.mp4 in OUT (sessions/film)
 	@$(RUN) out="$(if $(OUT),$$OUT,sessions/film)" && if [ "$$out" = sessions/film ]; then rm -f "$$out"/session*.mcap; \
@@ -155,7 +159,7 @@ paper: .setup/dev ## the paper's experiment in synthetic voices, over an hour; [
 report: setup ## SESSION=sessions/<time> or a folder of sessions: make the report [OUT=dir] [LATEX=1] [JOBS=n]
 	@test -n "$$SESSION" || { echo "make report needs SESSION=folder or file.mcap"; exit 2; }
 	@$(RUN) python -m session_log.cli report "$$SESSION" $(if $(OUT),--out "$$OUT") \
-	    $(if $(LATEX),--latex) $(if $(JOBS),--jobs '$(JOBS)')
+	    $(if $(filter 1,$(LATEX)),--latex) $(if $(JOBS),--jobs '$(JOBS)')
 
 # --offline: dependencies are checked against packages found, not against rosdep's database, which is fetched from elsewhere
 lint: .setup/dev ## style, spelling, types, layers, the packages' manifests and digests

@@ -26,7 +26,10 @@ def test_a_host_name_and_a_namespace_of_the_shell_reach_no_verb():
     assert "/none" not in found["PYTHONPATH"].split(":")
 
 
-NAMES = ("DEVICE", "GUI", "LANGUAGE", "MIC", "MODE", "MODEL", "OUT", "PREFIX", "ROBOT", "SESSION")
+SWITCHES = ("GUI", "LATEX", "MIC")
+NAMES = (*SWITCHES, "DEVICE", "LANGUAGE", "MODE", "MODEL", "OUT", "PREFIX", "ROBOT", "SESSION")
+NAMES += ("BRIDGE", "LIMITS", "SCENE", "TORQUES", "TROCAR", "URDF")  # of a check of the robot
+NAMES += ("MANIFEST", "NOISE", "ONLY", "SNR", "VOICES")
 
 
 def test_what_a_verb_takes_is_read_from_the_command_line_alone():
@@ -40,8 +43,51 @@ def test_what_a_verb_takes_is_read_from_the_command_line_alone():
         return done.stdout.split()
 
     assert shown() == []
-    given = [f"{name}={name.lower()}" for name in NAMES]
-    assert shown(*given) == [name.lower() for name in NAMES for _ in range(2)]
+    values_given = {name: "1" if name in SWITCHES else name.lower() for name in NAMES}
+    line = [f"{name}={value}" for name, value in values_given.items()]
+    assert shown(*line) == [value for value in values_given.values() for _ in range(2)]
+
+
+def dry(*words, **more):
+    """What a verb of make would run, and what it said, with more in the environment."""
+    line = ["make", "--dry-run", "--no-print-directory", *words]
+    given = {**PLAIN, **more}
+    done = subprocess.run(line, cwd=ROOT, env=given, capture_output=True, text=True, check=False)
+    return done.returncode, done.stdout, done.stderr
+
+
+def test_the_seconds_of_a_shell_are_not_those_of_the_fuzzing():
+    """Bash has a variable of that name of its own."""
+    assert "--seconds '60'" in dry("fuzz", SECONDS="7")[1]
+    assert "--seconds '7'" in dry("fuzz", "SECONDS=7")[1]
+
+
+def test_what_bench_takes_from_the_environment_reaches_it():
+    given = {"JOBS": "2", "REPETITIONS": "3,5"}
+    words = ["make", "--no-print-directory", "--eval", "shown: ; @env", "shown"]
+    done = subprocess.run(
+        words, cwd=ROOT, env={**PLAIN, **given}, capture_output=True, text=True, check=True
+    )
+    assert {f"{name}={value}" for name, value in given.items()} <= set(done.stdout.splitlines())
+
+
+OPTIONS = {
+    "GUI": ("demo", "--gui"),
+    "MIC": ("demo", "--microphone"),
+    "LATEX": ("report", "--latex"),
+}
+
+
+@pytest.mark.parametrize("name", SWITCHES)
+def test_of_a_switch_1_alone_means_yes(name):
+    verb, option = OPTIONS[name]
+    for value, is_on in (("1", True), ("0", False), ("", False)):
+        code, shown, said = dry(verb, f"{name}={value}")
+        assert code == 0, said
+        assert (option in shown) == is_on
+    code, shown, said = dry(verb, f"{name}=yes")
+    assert (code, shown) == (2, "")
+    assert f"{name} is 'yes', allowed: 1 for yes, 0 or nothing for no" in said
 
 
 def test_where_the_workspace_cannot_be_sourced_nothing_is_run(tmp_path):
