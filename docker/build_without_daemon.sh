@@ -10,27 +10,35 @@ cd "$(dirname "$0")/.."
 export STORAGE_DRIVER="${STORAGE_DRIVER:-vfs}" BUILDAH_ISOLATION=chroot
 BASE=docker.io/library/debian:12
 
+root='' container='' # to be removed at the end, also after Ctrl-C
+tidy() {
+    [ -z "$root" ] || rm -rf "$root"
+    [ -z "$container" ] || buildah rm "$container" >/dev/null
+}
+trap tidy EXIT
+trap 'exit 130' INT TERM # without it dash runs no trap of EXIT
+
 if [ "${1:-}" = run ]; then
     shift
     [ $# -gt 0 ] || set -- make demo
     mkdir -p sessions
     container=$(buildah from --pull-never localhost/voice_assist)
-    trap 'buildah rm "$container" >/dev/null' EXIT
     buildah run --volume "$PWD/sessions:/voice_assist/sessions" "$container" -- docker/entrypoint.sh "$@"
     exit
 fi
 
 if ! buildah inspect --type image "$BASE" >/dev/null 2>&1; then
     root=$(mktemp -d)
-    trap 'rm -rf "$root"' EXIT
     debootstrap --variant=minbase bookworm "$root" ${MIRROR:+"$MIRROR"}
     rm -f "$root"/var/cache/apt/archives/*.deb
     container=$(buildah from scratch)
     buildah add --quiet "$container" "$root" / >/dev/null
     buildah commit --quiet --rm "$container" "$BASE" >/dev/null
+    container=''
 fi
 buildah bud --layers=false --pull-never --build-arg COMMIT="$(git rev-parse HEAD)" "$@" \
     --file docker/Dockerfile --tag localhost/voice_assist .
 container=$(buildah from --pull-never localhost/voice_assist)
-du -sb "$(buildah mount "$container")" | awk '{ printf "%.0f MB\n", $1 / 1e6 }'
-buildah rm "$container" >/dev/null
+folder=$(buildah mount "$container") # on a line of its own, as in a pipe its failure would pass
+size=$(du -sb "$folder")
+echo "$size" | awk '{ printf "%.0f MB\n", $1 / 1e6 }'

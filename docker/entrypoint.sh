@@ -5,7 +5,7 @@ cd /voice_assist || exit 1
 . catkin_ws/devel/setup.bash
 VOICE_ASSIST_COMMIT=$(cat .commit)
 export VOICE_ASSIST_COMMIT
-case "$*" in *demo* | *launch*)
+case "$*" in *demo* | *launch* | *paper* | *film* | *recorder*)
     mountpoint -q sessions ||
         echo "NOT KEPT: recordings go with this container. Start it with -v \"\$PWD/sessions:/voice_assist/sessions\"" >&2
     ;;

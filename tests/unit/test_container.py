@@ -3,6 +3,7 @@
 
 import ast
 import os
+import shutil
 import subprocess
 import xml.etree.ElementTree as ET
 from pathlib import Path
@@ -63,6 +64,10 @@ def test_without_git_as_in_the_image_what_needs_it_is_skipped(file):
     [
         (["roslaunch", "voice_assist", "system.launch"], True),
         (["make", "demo"], True),
+        (["make", "paper"], True),
+        (["make", "film"], True),
+        (["rosrun", "session_log", "recorder"], True),
+        (["make", "report"], False),
         (["echo", "x"], False),
     ],
 )
@@ -80,3 +85,53 @@ def test_sessions_that_go_with_the_container_are_named(tmp_path, words, warned):
     done = subprocess.run(line, capture_output=True, text=True, check=True)
     assert done.stdout.split() == words
     assert ("NOT KEPT" in done.stderr) == warned
+
+
+BUILDAH = """#!/bin/sh
+echo "$*" >>"$CALLS"
+case "$1" in
+from) echo one ;;
+"$FAILS") exit 1 ;;
+"$ENDS") kill -TERM "$PPID" ;;
+mount) echo "$PWD/docker" ;;
+esac
+"""
+
+
+@pytest.fixture
+def build(tmp_path):
+    """Runs the build without a daemon, with a buildah that notes what it is asked for."""
+    (tmp_path / "docker").mkdir()
+    (tmp_path / "bin").mkdir()
+    shutil.copy(ROOT / "docker/build_without_daemon.sh", tmp_path / "docker")
+    for name, text in (("buildah", BUILDAH), ("git", "#!/bin/sh\necho abc\n")):
+        (tmp_path / "bin" / name).write_text(text, encoding="utf-8")
+        (tmp_path / "bin" / name).chmod(0o755)
+    calls = tmp_path / "calls"
+
+    def build(*words, fails="none", ends="none"):
+        given = {"PATH": f"{tmp_path}/bin:/usr/bin:/bin", "CALLS": str(calls)}
+        given |= {"FAILS": fails, "ENDS": ends}
+        line = ["docker/build_without_daemon.sh", *words]
+        done = subprocess.run(
+            line, cwd=tmp_path, env=given, capture_output=True, text=True, check=False
+        )
+        return done.returncode, done.stdout, calls.read_text(encoding="utf-8").splitlines()
+
+    return build
+
+
+def test_a_build_without_a_daemon_ends_with_the_size_and_keeps_no_container(build):
+    code, printed, calls = build()
+    assert (code, printed) == (0, "0 MB\n") and calls[-1] == "rm one"
+
+
+def test_an_image_that_cannot_be_mounted_fails_and_keeps_no_container(build):
+    code, printed, calls = build(fails="mount")
+    assert (code, printed) == (1, "") and calls[-1] == "rm one"
+
+
+@pytest.mark.parametrize("failed", [True, False])
+def test_a_command_in_the_image_that_is_ended_keeps_no_container(build, failed):
+    code, _, calls = build("run", "make", "demo", **{"fails" if failed else "ends": "run"})
+    assert code == (1 if failed else 130) and calls[-1] == "rm one"
