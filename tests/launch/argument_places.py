@@ -90,7 +90,7 @@ def _is_there(place, value, reading, namespace, others):
     if kind in OF_NODE:
         return OF_NODE[kind](reading.nodes[full], yaml.safe_load(value))
     if kind == "item":
-        return yaml.safe_load(value) in found
+        return yaml.safe_load(value) in (found or [])
     if kind.startswith("--"):
         words = shlex.split(found)
         return words[words.index(kind) + 1] == value

@@ -102,3 +102,7 @@ def test_overrides_count_over_the_arguments_of_the_same_setting(tmp_path):
     found = reading("kinova.launch", f"bridge_overrides:={own}").parameters
     assert found["/kinova_bridge/bridge/arm/namespace"] == "left"
     assert found["/kinova_guard/bridge/arm/namespace"] == "left"
+    own.write_text("{scene: {trocar: [0.1, 0.2, 0.3]}}", "utf-8")
+    found = reading("kinova.launch", f"simulation_overrides:={own}").parameters
+    assert found["/robot/scene/trocar"] == [0.1, 0.2, 0.3]
+    assert found["/controller/scene/trocar"] == [0.4, 0.0, 0.4]

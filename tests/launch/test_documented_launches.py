@@ -107,9 +107,10 @@ def test_a_line_is_read_and_its_arguments_arrive(shell, roslaunch, line):
 
 
 def _is_started(place, reading):
-    """Whether the settings are those of a node that this line starts."""
+    """Whether the settings are those of a node that this line starts; a real robot is none."""
     kind, _, name = str(place).rpartition(" ")
-    return not kind.endswith(".yaml") or f"/{name.split('/')[1]}" in reading.nodes
+    is_of_part = kind.endswith(".yaml") or name.startswith("/robot/")
+    return not is_of_part or f"/{name.split('/')[1]}" in reading.nodes
 
 
 @pytest.mark.parametrize("line", A_LINE_OF_EACH.values(), ids=A_LINE_OF_EACH)

@@ -36,4 +36,4 @@ def test_the_system_on_the_real_arm_reads_them(folder):
     found = parameters(
         "kinova.launch", *TROCAR, f"limits:={limits}", f"scene:={scene}", "simulate:=true"
     )
-    assert found["/kinova_preflight"] and found["/checked_settings/kinova"].startswith("6 files")
+    assert found["/kinova_preflight"] and found["/checked_settings/kinova"].startswith("7 files")

@@ -37,6 +37,8 @@ def test_an_argument_like_no_other_is_refused_with_all_of_them():
         (("display_port:=9999",), "display_port.*9999.*only with display:=true"),
         (("record:=false", "session:=today"), "session.*today.*only with record:=true"),
         (("wav:=/a.wav", "voice:=False"), "wav.*/a.wav.*only with voice:=true"),
+        (("model_device:=cuda", "voice:=false"), "model_device.*cuda.*only with voice:=true"),
+        (("candidates:=true", "voice:=false"), "candidates.*true.*only with voice:=true"),
     ],
 )
 def test_an_argument_of_a_part_that_is_not_started_is_refused(words, named):
@@ -59,6 +61,21 @@ def test_an_argument_of_a_part_that_is_not_started_is_refused(words, named):
 )
 def test_arguments_of_ros_and_of_parts_that_are_started_pass(words):
     check("voice_assist", "system.launch", *words)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("gui", "true"), ("simulated_sensor", "robot/force"), ("simulation_overrides", "/a.yaml")],
+)
+def test_what_is_for_the_simulation_is_refused_on_the_real_arm(name, value):
+    given = f"{name}:={value}"
+    with pytest.raises(ConfigError, match=f"{name}.*{value}.*only with simulate:=true"):
+        check("voice_assist", "kinova.launch", given, file=LAUNCH / "kinova.launch")
+    check("voice_assist", "kinova.launch", given, "simulate:=true", file=LAUNCH / "kinova.launch")
+
+
+def test_a_file_without_a_switch_for_the_simulation_takes_its_window():
+    check("voice_assist", "system.launch", "gui:=true")
 
 
 @pytest.mark.parametrize("caller", ["mine.launch", "voice.launch"])

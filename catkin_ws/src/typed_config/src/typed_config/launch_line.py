@@ -19,7 +19,9 @@ from typing import Final
 from typed_config.errors import ConfigError, Missing
 
 NEEDS: Final = {  # arguments that do nothing without the part that another one starts
-    **dict.fromkeys(("source", "device", "wav", "model", "denoise", "profile"), "voice"),
+    **dict.fromkeys(("source", "device", "wav", "model", "model_device"), "voice"),
+    **dict.fromkeys(("denoise", "profile", "candidates"), "voice"),
+    **dict.fromkeys(("gui", "simulated_sensor", "simulation_overrides"), "simulate"),
     **dict.fromkeys(("speak", "alarm_sound"), "alarms"),
     **dict.fromkeys(("session", "sessions"), "record"),
     "display_port": "display",
