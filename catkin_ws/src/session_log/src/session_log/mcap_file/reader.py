@@ -23,13 +23,12 @@ from session_log.types import MESSAGE_ENCODING, SCHEMA_ENCODING, Damage, Message
 from typed_config import RECORDING, newest_recording
 
 _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
-_FOOTER_SIZE = records.HEAD.size + 20
+_FOOTER_SIZE = records.HEAD.size + records.SHORTEST[records.FOOTER]
 _INDEX = struct.Struct("<HI")  # channel, size of the entries [B]
 _OURS = {  # among the data
     *(records.HEADER, records.SCHEMA, records.CHANNEL, records.CHUNK),
     *(records.METADATA, records.CHECKSUM),
 }
-_SIZES = {records.DATA_END: 4, records.FOOTER: 20}  # [B] of their bodies, in our files
 _EARLIEST = 946_684_800_000_000_000  # [ns] the year 2000; times before it are damage
 _LATEST = 4_102_444_800_000_000_000  # [ns] the year 2100
 
@@ -159,8 +158,8 @@ class _Pass:
         if opcode == records.MESSAGE_INDEX:
             is_whole = length >= _INDEX.size
             return is_whole and length == _INDEX.size + _INDEX.unpack_from(record.body)[1]
-        if opcode in _SIZES:
-            return length == _SIZES[opcode]
+        if opcode in (records.DATA_END, records.FOOTER):
+            return length == records.SHORTEST[opcode]
         return opcode in _OURS
 
     def _given(

@@ -58,8 +58,7 @@ class RecordingSummary:
     @property
     def cuts(self) -> list[str]:
         """What was lost before this file was copied from another one, in words; empty: nothing."""
-        accounts = (values for name, values in self.condition.metadata if name == ACCOUNT)
-        return [words for account in accounts if (words := _cut(account))]
+        return [words for account in self._accounts if (words := _cut(account))]
 
     def lacks(self, topics: Collection[str]) -> bool:
         """Whether messages of these topics may be lost: by damage, here or before, or dropped.
@@ -67,10 +66,14 @@ class RecordingSummary:
         A recording that was only not closed has all that it had received but the last moment.
         """
         condition = self.condition
-        accounts = (values for name, values in condition.metadata if name == ACCOUNT)
         is_damaged = bool(condition.damage) or condition.checksum == "wrong"
         dropped = any(name.partition(" from ")[0] in topics for name in self.dropped)
-        return is_damaged or dropped or any(_lost(account) for account in accounts)
+        return is_damaged or dropped or any(_lost(account) for account in self._accounts)
+
+    @property
+    def _accounts(self) -> list[dict[str, str]]:
+        """What copies say of the files they were made from."""
+        return [values for name, values in self.condition.metadata if name == ACCOUNT]
 
     @property
     def start(self) -> int:
