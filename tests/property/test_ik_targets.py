@@ -11,8 +11,8 @@ from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import rotation
 
-COUNT = 100
-NEAR_LIMITS = 20
+COUNT = 200
+NEAR_LIMITS = 40
 FEW_STARTS = 20  # of 400; 1,000 poses took up to 7
 LEAST_STEEPNESS = 0.3  # cosine of the shaft from straight down
 BENCHMARK_TURN = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
@@ -65,7 +65,7 @@ def test_poses_with_joints_within_5_mrad_of_their_limits_are_solved_in_few_start
 
 
 def test_the_same_pose_gives_the_same_joints_again(planner, reachable):
-    for configuration in reachable[:25]:
+    for configuration in reachable[:50]:
         first = planner.solver.search(configuration.T_base_tip, planner.trocar)
         again = planner.solver.search(configuration.T_base_tip, planner.trocar)
         assert (first.q == again.q).all()

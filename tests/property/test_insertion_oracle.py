@@ -13,9 +13,9 @@ from rst_control.types import Rejected
 from tests.unit.rst_control.support.situations import request
 
 STARTS = 40  # whose insertion is planned
-JUDGED = 5  # of so many plans one is judged in full; the bench judges all of its own
+JUDGED = 3  # of so many plans one is judged in full; the bench judges all of its own
 SAMPLES = 25  # places of each phase
-RATE = 100.0  # [Hz] of the samples of the way in, 0.1 mm apart; the bench takes 10 kHz
+RATE = 250.0  # [Hz] of the samples of the way in, 0.04 mm apart; the bench takes 10 kHz
 RCM_WORST = 2e-6  # [m], of which 1 um is PyBullet's single precision
 
 
@@ -56,7 +56,7 @@ def test_approaches_differ_but_all_lead_through_the_same_trocar(planner, judge, 
 
 def test_withdrawals_from_anywhere_inside_keep_them_as_well(planner, judge, verify, home):
     q, judged = home, 0
-    for pose in random_poses(planner.config, 12, seed=22):
+    for pose in random_poses(planner.config, 20, seed=22):
         try:
             q = planner.leg(q, pose).end
         except Infeasible:
@@ -65,4 +65,4 @@ def test_withdrawals_from_anywhere_inside_keep_them_as_well(planner, judge, veri
         assert not isinstance(decision, Rejected), decision.words
         assert judge.objection(q, decision.plan.phases, SAMPLES) == ""
         judged += 1
-    assert judged > 2
+    assert judged > 6

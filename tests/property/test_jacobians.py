@@ -145,11 +145,13 @@ def test_slopes_at_knots_lead_the_tool_along_its_way_and_the_shaft_through_the_t
     planner, legs
 ):
     for path in legs:
-        start, end = (Configuration(planner.model, q).tip for q in (path.start, path.end))
-        way = end - start
         for q, dq in zip(path.knots, path.slopes, strict=True):
             h = 1e-6 / np.abs(dq).max()
             ahead, behind = (Configuration(planner.model, q + sign * h * dq) for sign in (1, -1))
+            way = (
+                Configuration(planner.model, path.end).tip
+                - Configuration(planner.model, path.start).tip
+            )
             assert_allclose((ahead.tip - behind.tip) / (2.0 * h), way / path.length, atol=1e-5)
             lateral = [rcm_offset(c.frames, planner.trocar)[:2] for c in (ahead, behind)]
             assert_allclose(np.subtract(*lateral) / (2.0 * h), 0.0, atol=1e-5)

@@ -12,7 +12,6 @@ from rst_control.types import JOINTS
 from support.kdl_chain import Kdl
 
 COUNT = 10_000
-STRIDE = 10  # of so many configurations, one has its Jacobians compared as well
 TIP_ERROR = 1e-6  # [m]
 JACOBIAN_ERROR = 1e-6
 KERNEL_ERROR = 1e-12
@@ -55,18 +54,17 @@ def random_joints(limits, count):
 def test_kernels_kdl_and_pybullet_agree_over_ten_thousand_configurations(robot, planner, bullet):
     kdl = Kdl(robot, "tool_tip")
     worst = dict.fromkeys(("kernel pose", "kernel J", "tip", "turn", "J"), 0.0)
-    for n, q in enumerate(random_joints(planner.limits, COUNT)):
+    for q in random_joints(planner.limits, COUNT):
         ours = Configuration(robot, q)
-        pose, other = kdl.frame(q)[:3], bullet.pose(q, "tool_tip")
-        errors = {
-            "kernel pose": ours.frames[forward.TIP] - pose,
-            "tip": pose[:, 3] - other[:, 3],
-            "turn": pose[:, :3] - other[:, :3],
-        }
-        if n % STRIDE == 0:
-            J = kdl.jacobian(q)
-            errors |= {"kernel J": ours.J_tip - J, "J": J - bullet.jacobian(q, "tool_tip")}
-        for name, error in errors.items():
+        pose, J = kdl.frame(q)[:3], kdl.jacobian(q)
+        other = bullet.pose(q, "tool_tip")
+        for name, error in (
+            ("kernel pose", ours.frames[forward.TIP] - pose),
+            ("kernel J", ours.J_tip - J),
+            ("tip", pose[:, 3] - other[:, 3]),
+            ("turn", pose[:, :3] - other[:, :3]),
+            ("J", J - bullet.jacobian(q, "tool_tip")),
+        ):
             worst[name] = max(worst[name], float(np.abs(error).max()))
     assert worst["kernel pose"] < KERNEL_ERROR
     assert worst["kernel J"] < KERNEL_ERROR

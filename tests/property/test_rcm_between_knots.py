@@ -8,7 +8,7 @@ from bench.motion.paths import by_kdl, random_paths, shaft_error
 from rst_control.trajectory.path import speed_bounds
 from support.kdl_chain import Kdl
 
-PATHS = 25
+PATHS = 60
 TOLERANCE = 1e-6  # [m]
 DENSER = 10
 

@@ -4,8 +4,6 @@
 The controller is the graph of `searched_controller`. Mapper, dialogue, queue, the rule of recording
 and the refusals by mode are the product's own, asked for every state in which they can be asked.
 What is planned and measured is left to chance: whatever the mode lets pass may be verified.
-Whether a lost recorder refuses or stops makes no difference: both refuse the same, and a stop comes
-at any moment.
 """
 
 from __future__ import annotations
@@ -28,7 +26,6 @@ from rst_control.types import State
 from tests.state_search.controller import Graph
 from tests.state_search.inputs import FOUND, MOTIONS, TRIED, Given, one, plan_of
 from tests.state_search.rules import is_latched
-from tests.support.null_executor import Nobody
 from voice_assist.config import load_voice_config
 from voice_assist.intent import dialogue
 from voice_assist.intent.mapper import Mapper
@@ -36,8 +33,7 @@ from voice_assist.types import Call, Halt, Match, Mode, SetMode
 
 SPOKEN = load_voice_config().commands
 TALK = ("they will pull more people in", "do not stop pulling it", "the patient was tense all day")
-STOP = one(is_stopped=True)  # by topic, service, cancel, shutdown or for want of a recording
-MET = tuple((name, one(found=name)) for name in FOUND)
+STOPS = ("topic", "service", "cancel", "shutdown")  # all are Executor.stop
 
 
 class Waiting(NamedTuple):
@@ -59,14 +55,25 @@ class System(NamedTuple):
     is_stopped: bool = False  # by the newest of stop and accepted "hey robot"
 
 
-class _Posted(Nobody):
+class _Posted:
     """Stands for the executor towards the queue, and keeps what it is given."""
 
-    latches, snapshot = 0, SimpleNamespace(serial=1, situation=lambda now: None)
+    def __init__(self):
+        self.orders, self.stops, self.latches = [], [], 0
+        self.snapshot = SimpleNamespace(serial=1, situation=lambda now: None)
+
+    def post(self, order):
+        self.orders.append(order)
+
+    def stop(self, reason, *more):
+        self.stops.append(reason)
+
+    def note_refusal(self, *words):
+        pass
 
 
-def _watch(is_recorded):
-    watch = RecordingWatch(RecordingConfig(on_loss="refuse", heartbeat_age=2.0), lambda: 0.0)
+def _watch(on_loss, is_recorded):
+    watch = RecordingWatch(RecordingConfig(on_loss=on_loss, heartbeat_age=2.0), lambda: 0.0)
     if is_recorded:
         watch.heard("recorder", "")
     return watch
@@ -78,9 +85,11 @@ class Search:
 
     Args:
         graph: The controller.
+        on_loss: Setting of the recording.
     """
 
     graph: Graph
+    on_loss: str = "refuse"
     found: dict[System, tuple[System, str] | None] = field(default_factory=dict)
     depth: int = 0
     transitions: int = 0
@@ -93,6 +102,7 @@ class Search:
         self.hear, self.queue = cache(self._hear), cache(self._queue)
         self.report = cache(self._report)
         self.refused, self.passes = cache(self._refused), cache(self._passes)
+        self.must_stop = cache(self._must_stop)
 
     def run(self, deepest=None, is_first_enough=False):
         """Go on to the fixed point, or to a depth."""
@@ -128,12 +138,15 @@ class Search:
         yield from self._voice(state)
         yield from self._reports(state)
         for command in TRIED:
-            for by, is_spoken in (("hand", False), ("voice's node", True)):
+            for by, is_spoken in (("service", False), ("action", False), ("voice's node", True)):
                 yield from self._given(state, command, by, is_spoken)
-        yield self._tick(state, "stop", STOP)
-        for name, given in MET:
-            yield self._tick(state, name, given)
+        for way in STOPS:
+            yield self._tick(state, f"stop by {way}", one(is_stopped=True))
+        for name in FOUND:
+            yield self._tick(state, name, one(found=name))
         yield self._tick(state, "trocar set", one(is_changed=True))
+        if self.must_stop(state.controller):
+            yield self._tick(state, "unrecorded, so it stops", one(is_stopped=True))
         yield from self._verification(state)
 
     def _voice(self, state):
@@ -146,7 +159,7 @@ class Search:
             name = f'said "{config.phrase}"'
             yield f"{name}, its call is lost", heard, ""
             if any(isinstance(action, Halt) for action in done.actions):
-                yield self._tick(heard, name, STOP)
+                yield self._tick(heard, name, one(is_stopped=True))
             calls = [a.command for a in done.actions if isinstance(a, Call)]
             for command in map(COMMANDS.__getitem__, calls):
                 yield from self._given(heard, command, name, True, state.mode)
@@ -169,7 +182,7 @@ class Search:
             return
         what, name = self.queue(command, is_spoken), f"{command.phrase} by {by}"
         if what == "stop":
-            yield self._tick(state, name, STOP)
+            yield self._tick(state, name, one(is_stopped=True))
         elif what == "at once":
             yield self._tick(state, name, one((Given(command),)))
             yield self._tick(state, f"{name} and a stop", one((Given(command),), True))
@@ -230,7 +243,7 @@ class Search:
             return "it moves although the mode forbids it"
         if started.is_spoken and pending.heard_in is not Mode.ACTIVE:
             return "it moves by a word that was heard in standby"
-        if not is_recorded and started.command.load is Load.LOADS:
+        if not is_recorded and started.command.load is Load.LOADS and self.on_loss != "ignore":
             return "it advances unrecorded"
         return ""
 
@@ -257,16 +270,25 @@ class Search:
             return "at once"
         return "queued" if queue.next(0.0) is not None else "refused"
 
+    def _view(self, controller):
+        """As the controller would show it now."""
+        return self.graph.example[self.keys[controller]].executor._take_snapshot()
+
     def _refused(self, controller, command):
         """Whether verification's own check of the mode refuses a command."""
-        view = self.graph.example[self.keys[controller]].executor._take_snapshot()
-        return mode_refusal(command, view.mode) is not None
+        return mode_refusal(command, self._view(controller).mode) is not None
 
     def _passes(self, command, is_recorded):
         """Whether the queue posts what was planned, as far as the recording goes."""
         posted = _Posted()
-        verify: Any = RecordedOnly(lambda *_: Accepted(plan_of(command)), _watch(is_recorded))
+        watch = _watch(self.on_loss, is_recorded)
+        verify: Any = RecordedOnly(lambda *_: Accepted(plan_of(command)), watch)
         queue = command_queue.CommandQueue(posted, verify, lambda: 0.0)
         queue.take(command.phrase, "test")
         queue.check(queue.next(0.0))
         return bool(posted.orders)
+
+    def _must_stop(self, controller):
+        """Whether what moves has to brake while nobody records it."""
+        view, watch = self._view(controller), _watch(self.on_loss, False)
+        return view.mode.state is State.MOVING and bool(watch.stop_cause(view.plan))

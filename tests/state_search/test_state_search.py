@@ -38,9 +38,9 @@ def graph():
     return explore()
 
 
-@pytest.fixture(scope="module")
-def search(graph):
-    return Search(graph).run()
+@pytest.fixture(scope="module", params=["refuse", "stop"])
+def search(graph, request):
+    return Search(graph, request.param).run()
 
 
 def shortest_ways(objections):
@@ -49,12 +49,12 @@ def shortest_ways(objections):
 
 
 def test_every_command_and_every_state_is_in_the_search(graph):
-    given = inputs()
-    tried = {order.command for each in given for order in each.orders}
-    assert tried | {COMMANDS["stop"], *CAMERA_STEPS} == set(COMMANDS.values())
-    assert tried & set(CAMERA_STEPS)
+    tried = {order.command for given in inputs() for order in given.orders}
+    assert tried | {COMMANDS["stop"], *CAMERA_STEPS} == set(COMMANDS.values()) and tried & set(
+        CAMERA_STEPS
+    )
     assert {key[0] for key in graph.edges} == set(State)
-    assert all(len(edges) == len(given) for edges in graph.edges.values())
+    assert all(len(edges) == len(inputs()) for edges in graph.edges.values())
 
 
 def test_no_sequence_of_events_breaks_an_invariant_of_the_controller(graph):
@@ -64,7 +64,7 @@ def test_no_sequence_of_events_breaks_an_invariant_of_the_controller(graph):
 
 def test_no_sequence_through_dialogue_queue_and_recording_moves_what_must_not_move(search):
     assert shortest_ways(search.objections) == {}
-    assert len(search.found) > 1000 and search.transitions > 30_000
+    assert len(search.found) > 1000 and search.transitions > 50_000
 
 
 def test_the_search_does_move_by_every_command_and_wakes_and_brakes(search):

@@ -24,7 +24,7 @@ from tests.unit.session_log.support.public_reader import streamed
 
 ROOT = Path(__file__).resolve().parents[4]
 NOW = 1_795_200_000_000_000_000
-KILLS = 10
+KILLS = 20
 
 
 def event(kind, sequence=1):
@@ -150,7 +150,7 @@ def test_sigkill_takes_nothing_that_was_acknowledged(tmp_path):
             env=environment,
             cwd=ROOT,
         )
-        for _ in range(1 + 74 * kill):
+        for _ in range(1 + 37 * kill):
             process.stdout.readline()
         process.send_signal(signal.SIGKILL)
         lines = process.stdout.read().split(b"\n")

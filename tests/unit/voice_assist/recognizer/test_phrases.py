@@ -3,7 +3,7 @@
 
 from dataclasses import replace
 from functools import cache
-from itertools import cycle
+from itertools import product
 
 import numpy as np
 import pytest
@@ -168,10 +168,10 @@ def test_whisper_base_hears_held_out_voices_and_takes_no_phrase_for_another(lang
     config = load_voice_config(language=language)
     recognizer, commands = make_recognizer(config), config.commands.commands
     called, right = {command.phrase: command.command for command in commands}, 0
-    for command, name in zip(commands, cycle(HELD_OUT)):  # the voices take turns
+    for command, name in product(commands, HELD_OUT):
         voice = f"{espeak_language(language)}+{name}"
         (sound,) = speak([Prompt(command.phrase, "espeak", voice, 1.0, 0.5)])
         heard = recognizer.transcribe(frozen_samples(np.pad(sound, RATE // 5))).text
         assert called.get(heard) in (None, command.command), (heard, command.phrase)
         right += called.get(heard) == command.command
-    assert right >= 0.75 * len(commands)
+    assert right >= 0.8 * len(HELD_OUT) * len(commands)
