@@ -161,15 +161,6 @@ def leaves(kind: type, data: Mapping, path: Path_ = ()) -> Iterator[Leaf]:
             yield from _value(hints(kind)[field.name], rule, data[key], (*path, key), optional)
 
 
-def tried(kind: type, data: Mapping) -> Iterator[tuple[Leaf, bool]]:
-    """Of each key the first value, to be wrong in every way, and the last, in one way."""
-    found = list(leaves(kind, data))
-    first = {leaf.schema: leaf for leaf in reversed(found)}
-    last = {leaf.schema: leaf for leaf in found}
-    yield from ((leaf, True) for leaf in first.values())
-    yield from ((leaf, False) for leaf in last.values() if leaf not in first.values())
-
-
 def _value(hint, rule, value, path, optional=False) -> Iterator[Leaf]:
     if typing.get_origin(hint) is UnionType:
         (hint,) = (part for part in typing.get_args(hint) if part is not NoneType)

@@ -23,7 +23,6 @@ from tests.unit.typed_config.settings_files import (
     node_parameters,
     shown,
     start,
-    tried,
 )
 from tests.unit.typed_config.wrong_values import (
     NO_OTHER_UNIT,
@@ -106,8 +105,8 @@ def test_the_shipped_file_is_accepted(path):
 @files
 def test_every_key_wrong_in_every_way_is_refused_with_file_key_value_and_what_is_allowed(path):
     kind, data, failures, cases = kinds()[path], content(path), [], 0
-    for leaf, in_every_way in list(tried(kind, data)):
-        for mistake, value in wrong_values(leaf, at(data, leaf.path), in_every_way):
+    for leaf in list(leaves(kind, data)):
+        for mistake, value in wrong_values(leaf, at(data, leaf.path)):
             with changed(data, leaf.path, value):
                 error = refusal(kind, data, path.name)
             key = shown(leaf.path[:-1]) if leaf.is_optional and value is GONE else leaf.key

@@ -65,11 +65,11 @@ WRONG_FOR_ALL = {
 }
 
 
-def wrong_values(leaf: Leaf, value: object, in_every_way: bool) -> Iterator[tuple[str, object]]:
+def wrong_values(leaf: Leaf, value: object) -> Iterator[tuple[str, object]]:
     """Kind of mistake, and what then stands in the file."""
     if not leaf.is_entry and not leaf.has_free_name:
         yield "missing", GONE
-    if not in_every_way:
+    if not leaf.is_first:  # its like in the first mapping of the list is tried in every way
         yield ("NaN", math.nan) if leaf.is_entry else ("null", None)
         return
     yield from WRONG_FOR_ALL.items()
