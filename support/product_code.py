@@ -51,8 +51,8 @@ PLANT = (*SIMULATION, *KINOVA)
 SPEAKER = _rooms("voice_assist", "speaker", "speaker.yaml", "speaker.pt", "speaker_cohort.npz")
 HEARING = _rooms(
     "voice_assist",
-    *("assembly.py", "audio", "config", "intent", "pipeline", "profile", "recognizer"),
-    *("side_inputs.py", "speaker", "spotter", "text", "types.py", "vad"),
+    *("assembly.py", "audio", "config", "intent", "networks.py", "pipeline", "profile"),
+    *("recognizer", "side_inputs.py", "speaker", "spotter", "text", "types.py", "vad"),
     *("audio.yaml", "commands.yaml", "moving.yaml", "recognizer.yaml", "spotter.yaml"),
     *("embedded.pt", "overlap.pt", "spotter.pt", "verifier.pt"),
 )

@@ -16,7 +16,7 @@ PRODUCT = ("catkin_ws/src", "demo", "support")
 # Each has a file; the part that needs it says what to install
 OPTIONAL = {"pyarrow", "foxglove-sdk", "imageio-ffmpeg"}
 # Files or needs of others; ruckig's module is in no list of importlib.metadata.
-NOT_IMPORTED = {"openwakeword", "tiktoken", "more-itertools", "tqdm", "ruckig"}
+NOT_IMPORTED = {"openwakeword", "silero-vad", "tiktoken", "more-itertools", "tqdm", "ruckig"}
 
 # A line of prose that begins so names no distribution
 IMPORT = re.compile(r"^\s*(?:import|from)\s+([A-Za-z_]\w*)", re.MULTILINE)

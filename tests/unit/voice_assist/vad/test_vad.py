@@ -4,12 +4,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from support.theatre_sound import speak
 from tests.unit.voice_assist.support.fake_speech import frames, say, silence
 from voice_assist.config import load_voice_config
 from voice_assist.types import RATE
 from voice_assist.vad.detector import EitherDetector, EnergyDetector, make_detector
 from voice_assist.vad.endpointer import Endpointer, SpeechState
 from voice_assist.vad.segmenter import Segmenter, last
+from voice_assist.vad.silero import SileroDetector
 
 CONFIG = load_voice_config(
     audio__vad__start=0.5,
@@ -196,9 +198,23 @@ def test_silero_hears_no_speech_in_noise_and_keeps_the_threads_of_torch():
         detector(np.zeros(100, np.float32))
 
 
-def test_silero_gives_the_same_again_after_a_reset():
-    from voice_assist.vad.silero import SileroDetector
+def test_silero_is_as_sure_as_its_own_package_is():
+    import torch
 
+    threads = torch.get_num_threads()
+    from silero_vad import load_silero_vad
+
+    torch.set_num_threads(threads)  # the package has changed it
+    its_own, detector = load_silero_vad(), SileroDetector()
+    sound = frames(np.r_[silence(0.3), speak("pull more", "en-us", 150), silence(0.3)])
+    with torch.inference_mode():
+        expected = [float(its_own(torch.tensor(frame.samples), RATE)) for frame in sound]
+    found = [detector(frame.samples) for frame in sound]
+    assert min(expected) < 0.1 < 0.9 < max(expected)
+    np.testing.assert_allclose(found, expected, atol=1e-5)
+
+
+def test_silero_gives_the_same_again_after_a_reset():
     detector = SileroDetector()
     sound = frames(0.1 * np.random.default_rng(0).standard_normal(8000).astype(np.float32))
     first = [detector(f.samples) for f in sound]

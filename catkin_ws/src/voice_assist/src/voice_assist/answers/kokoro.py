@@ -17,7 +17,7 @@ import soxr
 from voice_assist.audio.espeak import Int16
 from voice_assist.audio.mixing import trimmed
 from voice_assist.errors import ModelError
-from voice_assist.spotter.features import onnx_session
+from voice_assist.networks import onnx_session
 from voice_assist.types import FULL_SCALE, RATE
 
 NETWORK_SHA256 = "6e742170d309016e5891a994e1ce1559c702a2ccd0075e67ef7157974f6406cb"
@@ -50,7 +50,7 @@ class Kokoro:
         found = hashlib.sha256(network).hexdigest()
         if found != NETWORK_SHA256:
             raise ModelError(f"{packages}: SHA-256 {found}, allowed: {NETWORK_SHA256}")
-        self._network = onnx_session(network)
+        self._network = onnx_session(network, "Kokoro")
         self._symbols: dict[str, int] = json.loads(symbols.read_text(encoding="utf-8"))["vocab"]
         self._styles = styles
 

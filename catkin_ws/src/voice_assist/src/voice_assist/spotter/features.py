@@ -8,22 +8,20 @@ Limited and Synthesized Speech Data", arXiv 2002.01322); the package holds it as
 from __future__ import annotations
 
 from collections.abc import Iterator
-from importlib.util import find_spec
-from pathlib import Path
 
 import numpy as np
-import onnxruntime
 from numpy.typing import NDArray
 
-from voice_assist.errors import ModelError
+from voice_assist.networks import packaged_session
 from voice_assist.types import RATE, Samples
 
 STEP = 1280  # samples between two embeddings, 80 ms
 WIDTH = 96  # of an embedding
 OVERLAP = 480  # samples of the block before that the spectrogram needs
 BANDS, LINES = 32, 76  # of the spectrogram under one embedding: 0.775 s
-_PACKAGE = "openwakeword"
-EMBEDDING = "embedding_model.onnx"
+PACKAGE = "openwakeword"
+SPECTROGRAM = "resources/models/melspectrogram.onnx"
+EMBEDDING = "resources/models/embedding_model.onnx"
 
 Embeddings = NDArray[np.float32]
 
@@ -40,10 +38,10 @@ class Embedder:
         """Load the networks, one thread each.
 
         Raises:
-            ModelError: The package with them is not installed.
+            ModelError: The package with them is missing or damaged.
         """
-        self._spectrogram = onnx_session(read_network("melspectrogram.onnx"))
-        self._embedding = onnx_session(read_network(EMBEDDING))
+        self._spectrogram = packaged_session(PACKAGE, SPECTROGRAM)
+        self._embedding = packaged_session(PACKAGE, EMBEDDING)
         quiet = self.lines(np.zeros(STEP + OVERLAP, np.float32))
         self.quiet_lines = np.tile(quiet, (-(-LINES // len(quiet)), 1))[-LINES:]
         self.quiet: Embeddings = self._embed(self.quiet_lines)  # (WIDTH,) of silence
@@ -79,28 +77,3 @@ class Embedder:
 def seconds(step: int) -> float:
     """Stream time at which the embedding of a step, counted from 0, is complete [s]."""
     return (step + 1) * STEP / RATE
-
-
-def read_network(name: str) -> bytes:
-    """A network file of the package.
-
-    Raises:
-        ModelError: It is not there.
-    """
-    package = find_spec(_PACKAGE)  # found, not imported: importing it needs much else
-    if package is None or not package.submodule_search_locations:
-        raise ModelError(
-            f"the package {_PACKAGE!r} with {name} is missing; `make setup` installs it"
-        )
-    path = Path(package.submodule_search_locations[0]) / "resources" / "models" / name
-    if not path.is_file():
-        raise ModelError(f"{path} is missing; allowed: the wheel pinned in requirements.txt")
-    return path.read_bytes()
-
-
-def onnx_session(network: bytes) -> onnxruntime.InferenceSession:
-    """Make a network ready to run on one thread."""
-    options = onnxruntime.SessionOptions()
-    options.intra_op_num_threads = options.inter_op_num_threads = 1
-    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
-    return onnxruntime.InferenceSession(network, options, providers=["CPUExecutionProvider"])

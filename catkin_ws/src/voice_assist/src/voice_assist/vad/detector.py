@@ -9,6 +9,7 @@ from typing import Protocol
 from voice_assist.audio.source import level_db
 from voice_assist.config import VadConfig
 from voice_assist.types import Frame, Samples
+from voice_assist.vad.silero import SileroDetector
 
 _STEEPNESS = 0.5  # [1/dB] of the probability around the margin
 _FALL = 0.3  # share of the way down to a quieter room that the floor goes per frame
@@ -82,8 +83,6 @@ def make_detector(config: VadConfig) -> Detector:
     energy = EnergyDetector(config.energy_margin_db)
     if config.detector == "energy":
         return energy
-    from voice_assist.vad.silero import SileroDetector
-
     silero = SileroDetector()
     return silero if config.detector == "silero" else EitherDetector(silero, energy)
 

@@ -8,17 +8,17 @@ import struct
 import numpy as np
 
 from voice_assist.errors import ModelError
+from voice_assist.networks import onnx_session, read_network
 from voice_assist.spotter.features import (
     BANDS,
     EMBEDDING,
     LINES,
     OVERLAP,
+    PACKAGE,
     STEP,
     WIDTH,
     Embedder,
     Embeddings,
-    onnx_session,
-    read_network,
 )
 from voice_assist.types import Samples
 
@@ -41,7 +41,7 @@ class LongEmbedder:
             ModelError: They are missing, or not the ones that this was written for.
         """
         self._step = Embedder()
-        self._embedding = onnx_session(_lengthened(read_network(EMBEDDING)))
+        self._embedding = onnx_session(_lengthened(read_network(PACKAGE, EMBEDDING)), EMBEDDING)
 
     @property
     def quiet(self) -> Embeddings:
