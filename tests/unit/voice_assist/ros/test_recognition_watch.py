@@ -42,12 +42,18 @@ def spotting():
     return Spotting()
 
 
+def begun(spotting):
+    """A watch at the beginning of a piece of work, seen a second time at once."""
+    watched = Watched(spotting)
+    for _ in range(2):
+        assert watched.at(BEGUN) == RecognitionStatus("", False)
+    return watched
+
+
 @pytest.fixture
 def watched(spotting):
     """At the beginning of a piece of work."""
-    watched = Watched(spotting)
-    assert watched.at(BEGUN) == RecognitionStatus("", False)
-    return watched
+    return begun(spotting)
 
 
 def hung(watched):
@@ -113,6 +119,5 @@ def test_the_end_of_a_hang_is_news_and_the_half_believed_counts_no_more(watched,
 
 @pytest.mark.parametrize("spotting", [None, SimpleNamespace(best=lambda since: None)])
 def test_without_a_spotter_that_listens_a_hang_is_reported_and_nothing_is_spotted(spotting):
-    watched = Watched(spotting)
-    watched.at(BEGUN)
+    watched = begun(spotting)
     assert watched.at(hung(watched) + 0.1).spotted is None

@@ -84,9 +84,11 @@ class HangWatch:
         if since is None:
             self._since = None
             return 0.0
-        if since != self._since:
-            self._since, self._first = since, now
-            self._before = tuple(dict(read()) for read in self._sources)
+        if since != self._since:  # most work is over before the next call: it is not read for
+            self._since, self._before = since, ()
+            return 0.0
+        if not self._before:
+            self._first, self._before = now, tuple(dict(read()) for read in self._sources)
             return 0.0
         if now - self._first <= self._allowed:
             return now - self._first  # at most
