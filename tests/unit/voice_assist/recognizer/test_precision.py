@@ -74,14 +74,31 @@ def test_a_linear_map_in_bfloat16_rounds_only(rows):
 
 
 @in_bfloat16
-def test_all_other_weights_are_shared_and_no_linear_map_is_left(recognizers):
+@pytest.mark.parametrize(("width", "stride", "padding"), [(3, 1, 1), (3, 2, 1), (5, 1, 2)])
+def test_a_convolution_in_bfloat16_rounds_only(width, stride, padding):
+    torch.manual_seed(width + stride)
+    layer = nn.Conv1d(80, 64, width, stride, padding)
+    network = nn.Sequential(layer, nn.GELU(), nn.Conv1d(64, 2, width))
+    twin = quick(network, torch.bfloat16)
+    x = torch.randn(3, 80, 161)
+    with torch.inference_mode():
+        exact, found = network(x), twin(x)
+    assert found.dtype == torch.float32
+    assert found.shape == exact.shape
+    error = (found - exact).abs().max() / exact.abs().max()
+    assert 0.0 < error < 0.01
+
+
+@in_bfloat16
+def test_all_other_weights_are_shared_and_no_map_is_left(recognizers):
     exact, rounded = recognizers
     assert exact.network is exact.model
     own = dict(rounded.model.named_parameters())
     kept = dict(rounded.network.named_parameters())
     assert set(kept) < set(own)
     assert all(weight is own[name] for name, weight in kept.items())
-    assert not any(isinstance(module, nn.Linear) for module in rounded.network.modules())
+    maps = (nn.Linear, nn.Conv1d)
+    assert not any(isinstance(module, maps) for module in rounded.network.modules())
 
 
 @in_bfloat16

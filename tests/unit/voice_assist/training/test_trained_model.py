@@ -10,7 +10,7 @@ from tests.unit.voice_assist.support.small_recognizer import small_model, sound,
 from voice_assist.errors import ModelError
 from voice_assist.recognizer.checkpoint import read_checkpoint
 from voice_assist.recognizer.ctc import best_alignment, greedy_text
-from voice_assist.recognizer.embedded import MAX_ROUNDS, EmbeddedRecognizer, restore
+from voice_assist.recognizer.embedded import MAX_ROUNDS, EmbeddedRecognizer, _Listened, restore
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.scoring import ctc_likelihoods, decoder_likelihoods
 from voice_assist.recognizer.vocabulary import (
@@ -28,7 +28,7 @@ from voice_assist.training.data.voices import Prompt, speak
 from voice_assist.training.fit.curriculum import CONTINUED, WRITING, stage_of
 from voice_assist.training.fit.export import export
 from voice_assist.training.fit.start import start_from
-from voice_assist.types import RATE, never_hopeless
+from voice_assist.types import RATE, frozen_samples, never_hopeless
 
 
 @pytest.fixture(scope="module")
@@ -82,6 +82,13 @@ def greedy(net, states, letters):
     return ids, False
 
 
+def written(recognizer, states, draft):
+    """What is written of states with that draft, read for the first time."""
+    memory = recognizer.network.remember(states)
+    heard = _Listened(np.zeros(0), states, states, torch.zeros(0), draft, memory)
+    return recognizer._decode(heard, never_hopeless)
+
+
 @pytest.mark.parametrize("draft", ["", "pull more or less", "x" * 300])
 def test_draft_and_correction_write_what_greedy_decoding_writes(exported, draft):
     recognizer = EmbeddedRecognizer("x", read_checkpoint(exported))
@@ -89,8 +96,8 @@ def test_draft_and_correction_write_what_greedy_decoding_writes(exported, draft)
         for seed in range(2):
             states = states_of(recognizer.network, seed=seed)
             ids, _ = greedy(recognizer.network, states, MAX_ROUNDS - 1)
-            written = recognizer._decode(states, draft, never_hopeless).text
-            assert written.startswith(decode(ids).strip())
+            text = written(recognizer, states, draft).text
+            assert text.startswith(decode(ids).strip())
 
 
 def test_commands_are_greedy_whatever_the_draft(base):
@@ -104,7 +111,7 @@ def test_commands_are_greedy_whatever_the_draft(base):
             assert has_ended
             assert decode(ids) == text
             for draft in drafts:
-                assert base._decode(states, draft, never_hopeless).text == text, draft
+                assert written(base, states, draft).text == text, draft
 
 
 def test_a_bad_draft_of_endless_talk_is_read_a_limited_number_of_times(exported, monkeypatch):
@@ -121,10 +128,27 @@ def test_a_bad_draft_of_endless_talk_is_read_a_limited_number_of_times(exported,
     monkeypatch.setattr(recognizer.network, "logits", never_agrees)
     with torch.inference_mode():
         states = states_of(recognizer.network, 2.0)
-        heard = recognizer._decode(states, "ab" * 20, never_hopeless)
-    assert len(read) == MAX_ROUNDS
+        heard = written(recognizer, states, "ab" * 20)
+    assert len(read) == MAX_ROUNDS + 1  # once more to the end
+    assert min(map(len, read)) < len("ab" * 20)
     assert heard.text == "q" * (MAX_ROUNDS - 1) + ("ab" * 20)[MAX_ROUNDS - 1 :]
     assert heard.avg_logprob < -10
+
+
+def test_a_sound_is_read_once_for_text_and_scores_and_long_texts_in_parts(base, monkeypatch):
+    read, logits = [], base.network.logits
+    monkeypatch.setattr(
+        base.network, "logits", lambda *given: read.append(given[0].tolist()) or logits(*given)
+    )
+    (said,) = speak([Prompt("please hold the camera still for me", "flite", "slt", 1.0, 0.5)])
+    samples = frozen_samples(np.pad(said.astype(np.float32) / 32768, RATE // 10))
+    text = base.transcribe(samples).text
+    once = len(read)
+    assert len(text) > 16
+    assert base.transcribe(samples, lambda beginning: len(beginning) > 3).text[:3] == text[:3]
+    assert len(read) == once
+    base.score(samples, ["stop"])
+    assert len(read) == once + 1  # all texts that are weighed, at once
 
 
 def test_remembered_states_are_read_as_the_states_themselves(model):

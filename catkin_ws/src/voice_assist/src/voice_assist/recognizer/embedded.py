@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import torch
@@ -13,9 +13,9 @@ from whisper.audio import HOP_LENGTH
 
 from voice_assist.recognizer.checkpoint import Checkpoint
 from voice_assist.recognizer.ctc import greedy_text
-from voice_assist.recognizer.hybrid import WhisperCtc, encode_lower, encode_upper
+from voice_assist.recognizer.hybrid import Memory, WhisperCtc, encode_lower, encode_upper
 from voice_assist.recognizer.mel import log_mel
-from voice_assist.recognizer.precision import dtype_for, quick
+from voice_assist.recognizer.precision import STEP, dtype_for, quick
 from voice_assist.recognizer.recognizer import SHORTEST, drop_hallucination, is_same
 from voice_assist.recognizer.scoring import ctc_likelihoods, decoder_likelihoods, ratios
 from voice_assist.recognizer.verification import BLOCKS, PhraseVerifier
@@ -33,25 +33,28 @@ from voice_assist.types import LONGEST, RATE, Hypothesis, IsHopeless, Samples, n
 EMBEDDING = "decoder.token_embedding.weight"
 MIN_FRAMES = 40  # of the spectrogram; shorter sound gets quiet appended
 MAX_ROUNDS = 16  # readings of a draft; each makes at least one more letter greedy
+_AHEAD = 4  # letters that are read at least after those that are right
 CTC_SHARE = 0.5  # of the CTC head in a score: a decoder soon takes a strange word for one it knows
 
 
 @dataclass(frozen=True, eq=False)
 class _Listened:
-    """A sound, and what the encoder made of it."""
+    """A sound, what the encoder made of it, and what the decoder has read so far."""
 
     sound: Samples
     hidden: Tensor  # after the lower blocks of the encoder, (1, time, d)
     states: Tensor  # (1, time, d)
     ctc: Tensor  # log-probabilities, (time, classes)
     draft: str
+    memory: Memory  # of the states
+    readings: dict[tuple[int, ...], Tensor] = field(default_factory=dict)  # by letters
 
 
 class EmbeddedRecognizer:
     """Greedy decoding by letters, with the CTC head's text as a draft.
 
-    The decoder reads the whole draft in one pass; where it would have written
-    another letter, the draft is corrected there and read again. The result is
+    The decoder reads the draft, a command's length of it in one pass. Where it would have
+    written another letter, the draft is corrected there and read again. The result is
     exactly that of greedy decoding, mostly for the price of one step. Only garbled
     talk needs more than MAX_ROUNDS readings: the rest of the draft then stands, so
     that no sound takes long. Every text shorter than MAX_ROUNDS letters, as all
@@ -92,7 +95,7 @@ class EmbeddedRecognizer:
             return Hypothesis("", 0.0, 1.0)
         with torch.inference_mode():
             heard = self._listen(samples)
-            return self._decode(heard.states, heard.draft, is_hopeless)
+            return self._decode(heard, is_hopeless)
 
     def score(self, samples: Samples, phrases: Sequence[str]) -> dict[str, float]:
         """The decoder's and the CTC head's ratio, each to its own best other text, weighed.
@@ -104,7 +107,7 @@ class EmbeddedRecognizer:
         spelt = {phrase: spelled(phrase) for phrase in phrases}
         with torch.inference_mode():
             heard = self._listen(samples)
-            written = self._decode(heard.states, heard.draft, never_hopeless).text
+            written = self._decode(heard, never_hopeless).text
             texts = list(dict.fromkeys([*spelt.values(), "", heard.draft.strip(), written]))
             read = decoder_likelihoods(self.network, heard.states, texts).tolist()
             aligned = ctc_likelihoods(heard.ctc.cpu(), texts).tolist()
@@ -136,23 +139,38 @@ class EmbeddedRecognizer:
         hidden = encode_lower(self.network.whisper.encoder, mel, BLOCKS)
         states = encode_upper(self.network.whisper.encoder, hidden, BLOCKS)
         ctc = self.network.ctc_logprobs(states)[0]
-        self._newest = _Listened(samples, hidden, states, ctc, greedy_text(ctc.cpu().numpy()))
+        draft = greedy_text(ctc.cpu().numpy())
+        memory = self.network.remember(states)
+        self._newest = _Listened(samples, hidden, states, ctc, draft, memory)
         return self._newest
 
-    def _decode(self, states: Tensor, draft: str, is_hopeless: IsHopeless) -> Hypothesis:
-        most = self.network.dims.n_text_ctx - len(PROMPT) - 1
-        memory = self.network.remember(states)
-        ids = encode(draft)[:most]
-        for round_ in range(1, MAX_ROUNDS + 1):
+    def _read(self, heard: _Listened, ids: Sequence[int]) -> Tensor:
+        """Log-probabilities after each letter of the prompt and a text, (length, N_COMPACT)."""
+        key = tuple(ids)
+        if key not in heard.readings:
             tokens = torch.tensor([[*PROMPT, *ids]], device=self._device)
-            logprobs = self.network.logits(tokens, states, memory)[0].log_softmax(-1)
+            logits = self.network.logits(tokens, heard.states, heard.memory)
+            heard.readings[key] = logits[0].log_softmax(-1)
+        return heard.readings[key]
+
+    def _decode(self, heard: _Listened, is_hopeless: IsHopeless) -> Hypothesis:
+        most = self.network.dims.n_text_ctx - len(PROMPT) - 1
+        ids = encode(heard.draft)[:most]
+        agreed = rounds = 0
+        while True:
+            first = ids[: _worth_reading(agreed)]
+            logprobs = self._read(heard, first)
             written = logprobs[len(PROMPT) - 1 :]
             wanted = written.argmax(-1).tolist()
-            agreed = _agreed(ids, wanted)
+            agreed = _agreed(ids[: len(wanted)], wanted)
+            if agreed > len(first):
+                continue  # so far it is right, and there is more
             if wanted[agreed] == END or agreed == most:
                 ids = ids[:agreed]
                 break
-            if round_ == MAX_ROUNDS:
+            rounds += 1
+            if rounds == MAX_ROUNDS:
+                written = self._read(heard, ids)[len(PROMPT) - 1 :]
                 break
             ids = [*ids[:agreed], wanted[agreed], *_rest(ids, agreed, wanted[agreed])][:most]
             if is_hopeless(decode(ids[: agreed + 1])):
@@ -179,6 +197,12 @@ def restore(checkpoint: Checkpoint) -> WhisperCtc:
 def is_audible(samples: Samples) -> bool:
     """Whether there is enough sound to listen to at all."""
     return len(samples) >= SHORTEST * RATE and bool(np.any(samples))
+
+
+def _worth_reading(agreed: int) -> int:
+    """How many letters of a draft to read when so many are right: the rest may never matter."""
+    rows = len(PROMPT) + agreed + _AHEAD
+    return rows + -rows % STEP - len(PROMPT)
 
 
 def _agreed(draft: list[int], wanted: list[int]) -> int:

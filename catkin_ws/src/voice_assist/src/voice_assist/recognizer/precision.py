@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import copy
-from itertools import chain
+from itertools import chain, pairwise
 from typing import TypeVar
 
 import torch
@@ -18,7 +18,7 @@ AUTO, BFLOAT16, FLOAT32 = PRECISIONS
 Network = TypeVar("Network", bound=nn.Module)
 
 _ROWS = 128  # for which oneDNN lays weights out: 2.6 s of sound; others are as right
-_STEP = 32  # rows; oneDNN compiles for each number of them anew, and keeps 200 MB if all occur
+STEP = 16  # rows; oneDNN compiles for each number of them anew, and keeps 200 MB if all occur
 
 
 def dtype_for(device: str, precision: str = AUTO) -> torch.dtype:
@@ -41,42 +41,72 @@ def dtype_for(device: str, precision: str = AUTO) -> torch.dtype:
 
 
 def quick(network: Network, dtype: torch.dtype) -> Network:
-    """The same network for inference on the processor, its linear maps in another type.
+    """The same network for inference on the processor, its maps in another type.
 
-    Linear maps are most of the work. Everything between them stays in float32. What differs then
-    is measured by `python -m bench voice.precision`.
+    Linear maps and convolutions are most of the work. What is between them stays in float32, but
+    for a GELU that follows one in a chain, which is computed with it. What differs then is measured
+    by `python -m bench voice.precision`.
 
     Args:
         network: In float32. It shares all other weights with what is returned.
-        dtype: Of weights and inputs of linear maps, float32 or bfloat16.
+        dtype: Of weights and inputs of these maps, float32 or bfloat16.
     """
     if dtype == torch.float32:
         return network
     shared = {id(tensor): tensor for tensor in chain(network.parameters(), network.buffers())}
     twin = copy.deepcopy(network, shared)
     for module in list(twin.modules()):
-        for name, child in module.named_children():
+        for name, child in list(module.named_children()):
             if isinstance(child, nn.Linear):
-                setattr(module, name, _Linear(child, dtype))
+                setattr(module, name, _Linear(child.weight, child.bias, dtype))
+            elif isinstance(child, nn.Conv1d):
+                setattr(module, name, _Conv1d(child, dtype))
+        if isinstance(module, nn.Sequential):
+            _join(module)
     return twin
+
+
+def _join(layers: nn.Sequential) -> None:
+    """Have each GELU computed by the map before it."""
+    for index, (layer, following) in enumerate(pairwise(layers)):
+        if isinstance(following, nn.GELU) and isinstance(layer, _Linear):
+            layer.after = "gelu"
+            layers[index + 1] = nn.Identity()
 
 
 class _Linear(nn.Module):
     """A linear map in another type, from and to float32, its weights as oneDNN wants them."""
 
-    def __init__(self, linear: nn.Linear, dtype: torch.dtype) -> None:
+    def __init__(self, weight: Tensor, bias: Tensor | None, dtype: torch.dtype) -> None:
         super().__init__()
+        self.after = "none"  # what is computed with it, as oneDNN calls it
         self._dtype = dtype
-        weight = linear.weight.detach().to(dtype)
+        weight = weight.detach().to(dtype)
         self._weight = torch.ops.mkldnn._reorder_linear_weight(weight, _ROWS)
-        self._bias = None if linear.bias is None else linear.bias.detach().to(dtype)
+        self._bias = None if bias is None else bias.detach().to(dtype)
 
     def forward(self, x: Tensor) -> Tensor:
         """From shape (..., inputs) to (..., outputs)."""
         rows = x.flatten(0, -2).to(self._dtype)
         count = len(rows)
-        filled = functional.pad(rows, (0, 0, 0, -count % _STEP))
+        if missing := -count % STEP:
+            rows = functional.pad(rows, (0, 0, 0, missing))
         y: Tensor = torch.ops.mkldnn._linear_pointwise(
-            filled, self._weight, self._bias, "none", [], ""
+            rows, self._weight, self._bias, self.after, [], "none"
         )
         return y[:count].float().unflatten(0, x.shape[:-1])
+
+
+class _Conv1d(_Linear):
+    """A convolution as the linear map of what lies under its kernel, padded with zeros."""
+
+    def __init__(self, layer: nn.Conv1d, dtype: torch.dtype) -> None:
+        super().__init__(layer.weight.flatten(1), layer.bias, dtype)
+        (self._width,), (self._stride,) = layer.kernel_size, layer.stride
+        self._padding = int(layer.padding[0])
+
+    def forward(self, x: Tensor) -> Tensor:
+        """From shape (batch, channels, time) to (batch, channels, time)."""
+        padded = functional.pad(x.to(self._dtype), (self._padding, self._padding))
+        under = padded.unfold(2, self._width, self._stride)  # batch, channels, time, width
+        return super().forward(under.transpose(1, 2).flatten(2)).transpose(1, 2)
