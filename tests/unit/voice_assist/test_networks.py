@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from voice_assist.errors import ModelError
-from voice_assist.networks import onnx_session, packaged_session, read_network
+from voice_assist.networks import packaged_session, read_network
 
 
 def test_a_network_of_a_package_runs_without_importing_it():
@@ -31,8 +31,12 @@ def test_what_is_not_there_is_named(package, name, words):
 
 
 @pytest.mark.parametrize("damage", [b"", b"no network", "half", "changed"])
-def test_a_damaged_network_is_refused_by_name(damage):
+def test_a_damaged_network_is_refused_by_name(damage, tmp_path, monkeypatch):
     whole = read_network("openwakeword", "resources/models/melspectrogram.onnx")
     damaged = {"half": whole[: len(whole) // 2], "changed": whole[:100] + bytes(200) + whole[300:]}
-    with pytest.raises(ModelError, match="the network spectrogram is damaged"):
-        onnx_session(damaged.get(damage, damage), "spectrogram")
+    (tmp_path / "hears").mkdir()
+    (tmp_path / "hears" / "__init__.py").touch()
+    (tmp_path / "hears" / "x.onnx").write_bytes(damaged.get(damage, damage))
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(ModelError, match=r"x\.onnx of the package 'hears' is damaged"):
+        packaged_session("hears", "x.onnx")

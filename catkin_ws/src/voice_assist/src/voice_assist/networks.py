@@ -35,25 +35,22 @@ def read_network(package: str, name: str) -> bytes:
     return path.read_bytes()
 
 
-def onnx_session(network: bytes, name: str) -> onnxruntime.InferenceSession:
-    """Make a network ready to run on one thread.
-
-    Args:
-        network: Content of its file.
-        name: Of it, for a refusal.
+def packaged_session(package: str, name: str) -> onnxruntime.InferenceSession:
+    """A network of a package, ready to run on one thread; arguments as of `read_network`.
 
     Raises:
-        ModelError: It is damaged.
+        ModelError: It is not there, or damaged.
     """
+    network = read_network(package, name)
+    try:
+        return onnx_session(network)
+    except _DAMAGED as error:
+        raise ModelError(f"{name} of the package {package!r} is damaged: {error}") from error
+
+
+def onnx_session(network: bytes) -> onnxruntime.InferenceSession:
+    """Make a network ready to run on one thread."""
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     options.add_session_config_entry("session.intra_op.allow_spinning", "0")
-    try:
-        return onnxruntime.InferenceSession(network, options, providers=["CPUExecutionProvider"])
-    except _DAMAGED as error:
-        raise ModelError(f"the network {name} is damaged: {error}") from error
-
-
-def packaged_session(package: str, name: str) -> onnxruntime.InferenceSession:
-    """The same for a file of a package; arguments and errors as of `read_network`."""
-    return onnx_session(read_network(package, name), name)
+    return onnxruntime.InferenceSession(network, options, providers=["CPUExecutionProvider"])

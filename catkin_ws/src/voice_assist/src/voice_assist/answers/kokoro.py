@@ -50,7 +50,7 @@ class Kokoro:
         found = hashlib.sha256(network).hexdigest()
         if found != NETWORK_SHA256:
             raise ModelError(f"{packages}: SHA-256 {found}, allowed: {NETWORK_SHA256}")
-        self._network = onnx_session(network, "Kokoro")
+        self._network = onnx_session(network)
         self._symbols: dict[str, int] = json.loads(symbols.read_text(encoding="utf-8"))["vocab"]
         self._styles = styles
 

@@ -41,7 +41,7 @@ class LongEmbedder:
             ModelError: They are missing, or not the ones that this was written for.
         """
         self._step = Embedder()
-        self._embedding = onnx_session(_lengthened(read_network(PACKAGE, EMBEDDING)), EMBEDDING)
+        self._embedding = onnx_session(_lengthened(read_network(PACKAGE, EMBEDDING)))
 
     @property
     def quiet(self) -> Embeddings:
