@@ -49,9 +49,9 @@ KINOVA = (
 )
 PLANT = (*SIMULATION, *KINOVA)
 SPEAKER = _rooms("voice_assist", "speaker", "speaker.yaml", "speaker.pt", "speaker_cohort.npz")
-HEARING = _rooms(
+HEARING = _rooms(  # without a profile
     "voice_assist",
-    *("assembly.py", "audio", "config", "intent", "networks.py", "pipeline", "profile"),
+    *("assembly.py", "audio", "config", "intent", "networks.py", "pipeline"),
     *("recognizer", "side_inputs.py", "speaker", "spotter", "text", "types.py", "vad"),
     *("audio.yaml", "commands.yaml", "moving.yaml", "recognizer.yaml", "spotter.yaml"),
     *("embedded.pt", "overlap.pt", "spotter.pt", "verifier.pt"),
@@ -62,7 +62,7 @@ LANGUAGES = (
     *_rooms("voice_assist", "commands_fr.yaml", "commands_ja.yaml"),
 )
 ANSWERS = (*HEARING, *_rooms("voice_assist", "answers", "alarms.yaml"))
-ENROLMENT = (*HEARING, *_rooms("voice_assist", "enrolment", "enrolment.yaml"))
+ENROLMENT = (*HEARING, *_rooms("voice_assist", "enrolment", "profile", "enrolment.yaml"))
 RECORDER = _rooms(  # what runs beside a robot; files are read later
     "session_log",
     *("mcap_file/durable_stream.py", "mcap_file/encoding.py", "mcap_file/headers.py"),
