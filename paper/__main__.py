@@ -42,7 +42,7 @@ from session_log.errors import SessionLogError
 from support.figures import RESULTS, ROOT, SEVERAL, decided_now, keys, machine, show, write
 from support.interrupt import end_as_by_ctrl_c
 from support.process_groups import STOP_TIME, end_group, start_group
-from support.product_code import SYSTEM, identity
+from support.product_code import PAPER, identity
 from typed_config import ConfigError, count_option, load_file
 
 VOICES = "4"
@@ -120,7 +120,7 @@ def _press(config: ExperimentConfig, repetitions: int, out: Path, console: Conso
     folder = out / PEDAL
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        note_code(folder, identity(SYSTEM))
+        note_code(folder, identity(PAPER))
         keep(folder, pedal_session.run(config, repetitions, folder, console))
     except KeyboardInterrupt:
         return INTERRUPTED
@@ -178,7 +178,7 @@ def _play(
     folder = out / voice.name
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        note_code(folder, identity(SYSTEM))
+        note_code(folder, identity(PAPER))
         session.run(voice, config, repetitions, folder, console)
         judge(folder, _report_config())
     except KeyboardInterrupt:
@@ -217,10 +217,10 @@ def _conclude(
     listed = figures(heard, paper, theirs.hardware) if heard else []
     listed += comparison({VOICE: [o for r in heard for o in r.repetitions], PEDAL: pressed})
     show(listed, console)
-    code = keys(SYSTEM, decided_now("motion"))
+    code = keys(PAPER, decided_now("motion"))
     played = [out / r.voice.name for r in heard] + ([out / PEDAL] if pressed else [])
     if {code_of(folder) for folder in played} != {code["code"]}:
-        code["code"] = SEVERAL
+        code = {"code": SEVERAL}  # what was decided is of the code of each session
     facts = {**code, "voices": [asdict(result.voice) for result in heard]}
     for path in [out / RESULT, *([RESULTS / result] if result else [])]:
         write(path, listed, machine(), **facts)

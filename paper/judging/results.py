@@ -87,7 +87,7 @@ def figures(
     refused = sum(r.refused for r in rows)
     found.append(Figure("commands heard and refused by the robot", refused, "commands"))
     found.append(Figure("phrases left out: sound torn by the player", torn, "phrases"))
-    found.append(Figure("phrases left out: said by the prompter", helped, "phrases"))
+    found.append(Figure("phrases left out: said so that the dialogue goes on", helped, "phrases"))
     return found
 
 

@@ -71,7 +71,10 @@ def allowed(situation: RobotDialogue, limits: TensionRange) -> tuple[str, ...]:
 
 
 class PhrasePlan:
-    """Draws phrase after phrase until every command has its repetitions."""
+    """Draws phrase after phrase until every command has its repetitions, and no more of them.
+
+    What must be said again, so that the dialogue can go on, is said by the prompter.
+    """
 
     def __init__(
         self,
@@ -112,11 +115,11 @@ class PhrasePlan:
             self._talk_left -= 1
             return Planned("", self._some_talk())
         command = self._choose(situation)
-        if self._is_stuck(command, situation):
-            return Planned(command, command, is_counted=False)
+        is_counted = not self._is_stuck(command, situation) and self.remaining[command] > 0
         phase = self._phase_to_stop_in(command)
-        self._said(command)
-        return Planned(command, command, phase)
+        if is_counted:
+            self._said(command)
+        return Planned(command, command, phase, is_counted)
 
     def interrupt(self) -> Planned:
         """Say "stop" in the motion that is under way."""
@@ -124,7 +127,7 @@ class PhrasePlan:
         return Planned(STOP, STOP)
 
     def _said(self, command: str) -> None:
-        self.remaining[command] = max(0, self.remaining[command] - 1)
+        self.remaining[command] -= 1
 
     def _some_talk(self) -> str:
         if not self._heap:
