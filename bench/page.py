@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,20 +28,22 @@ LARGE, SMALL = 1e4, 1e-3  # from and below which a value is not written with fou
 HEAD = """# Measured
 
 Made by `make figures` from `bench/results`. Do not edit it. Each table names the command that
-measures it. Bounds hold with 95 %. Where one voice has several trials, the bound is the wider of
-the exact one and that of drawing the voices anew. "Met, few trials": the figure reaches its target,
-its bound does not. "None" in the column of targets: reported without one. Where the code that
-decides a figure was changed after it was measured, the table says so. Older results lack some
-fields: "-".
+measures it. Bounds hold with 95 %. Where the trials of each voice are counted apart, the bound is
+the wider of the exact one and that of drawing the voices anew. "Met, few trials": the figure
+reaches its target, its bound does not. "None" in the column of targets: reported without one. Where
+the code that decides a figure was changed after it was measured, the table says so. Older results
+lack some fields: "-".
 
 What is of 28 November 2026 was measured on a machine a quarter slower than what is older.
 """
 SAME, ALIKE = "the same decisions", "the same motions"
+TIMES = ("us", "ms", "s", "% of a core")  # units of what code that decides the same may change
 WHO = {HUMAN: HUMAN, SYNTHETIC: SYNTHETIC, "people:": HUMAN}  # by words in a figure's name
 AGES = {
     None: "**Which code was measured is not recorded.**",
     False: "**The code was changed since.**",
-    SAME: "Hearing was changed since. On 72 fixed clips, 24 more in motion, it decides the same.",
+    SAME: "Hearing was changed since. On 72 fixed clips, 24 more in motion, it decides the same; "
+    "**its times are older.**",
     ALIKE: "The controller was changed since. In nine fixed sessions of 12 s it moves the same.",
     True: "The code is as measured.",
 }
@@ -65,10 +68,15 @@ class Result:
         now = identity(self.part.rooms)
         if self.code == now:
             return True
-        if figures.moves_alike(self.code, now):
+        if self.part.moves and figures.moves_alike(self.code, now):
             return ALIKE
         is_same = bool(self.decisions) and self.decisions == figures.decided_now(self.part.decides)
         return SAME if is_same and self.beside == beside_hearing(self.part.rooms) else False
+
+    def age_of(self, figure: Figure) -> bool | str | None:
+        """The same for one of its figures."""
+        is_older = self.age == SAME and figure.unit in TIMES
+        return False if is_older else self.age
 
     def shown(self) -> list[Figure]:
         """Figures for the page."""
@@ -106,11 +114,13 @@ def _missed(found: Sequence[Result]) -> Iterator[str]:
     met, missed, none = (verdicts.count(verdict) for verdict in (True, False, None))
     few = met - sum(figure.is_shown for _, figure in now)
     single = sum(f.is_met is True and (f.upper if f.at_most else f.lower) is None for _, f in now)
-    old = sum(f.is_met is not None and result.age is False for result, f in now)
+    ages = Counter(result.age_of(f) for result, f in now if f.is_met is not None)
     yield f"{met} targets are met and {missed} missed. {none} figures have none.\n"
     yield f"{few} of those met are met by the figure, but not by its bound: too few trials."
     yield f"{single} of those met have no bound: they are single values, maxima or counts."
-    yield f"{old} of all these verdicts are of code that was changed since.\n"
+    yield f"Of these verdicts {ages[True]} are of the present code, {ages[SAME] + ages[ALIKE]} of"
+    yield "changed code that does the same where that was tried,"
+    yield f"{ages[False]} of code that was changed since. Of {ages[None]} it is not recorded.\n"
     yield "## Missed\n"
     rows = [
         [_name(f), *_value(f), _target(f), result.voices(f), f"`{result.part.name}`"]

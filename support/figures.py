@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import datetime
 import json
+import math
 import os
 import subprocess
 import time
@@ -143,12 +144,14 @@ def rate(
 def percentiles(
     name: str, values: Sequence[float], unit: str, targets: dict[int, float] | None = None
 ) -> list[Figure]:
-    """Describe a sample by its p50, p95, p99 and maximum."""
-    targets = targets or {}
-    found = [
-        Figure(f"{name} p{p}", float(np.percentile(values, p)), unit, targets.get(p))
-        for p in (50, 95, 99)
-    ]
+    """Describe a sample by its p50, p95 and p99, with their upper bounds, and its maximum."""
+    targets, n = targets or {}, f"n={len(values)}"
+    found = []
+    for p in (50, 95, 99):
+        q = bounds.quantile(values, p / 100.0)
+        upper = q.high if math.isfinite(q.high) else None  # too few values have none
+        figure = Figure(f"{name} p{p}", q.value, unit, targets.get(p), note=n, upper=upper)
+        found.append(figure)
     return [*found, Figure(f"{name} max", float(np.max(values)), unit, targets.get(100))]
 
 

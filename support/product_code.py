@@ -44,10 +44,10 @@ KINOVA = (
     *CONTROLLER,
     *_rooms("rst_control", "kinova", "simulation", "torque_tension.yaml", "kinova_bridge.yaml"),
     *_rooms("rst_control", "kinova_controller.yaml", "kinova_limits.yaml", "kinova_stand_in.yaml"),
-    *_rooms("rst_control", "plant.yaml"),
+    *_rooms("rst_control", "plant.yaml", "simulator.yaml"),
     *URDF,
 )
-PLANT = (*SIMULATION, *KINOVA)
+PLANT = (*SIMULATION, *KINOVA, "/launch/kinova_lab.yaml", "/launch/lab.yaml")
 SPEAKER = _rooms("voice_assist", "speaker", "speaker.yaml", "speaker.pt", "speaker_cohort.npz")
 HEARING = _rooms(  # without a profile
     "voice_assist",
@@ -77,6 +77,7 @@ SYSTEM = (
     *(*ROBOT_NODES, *HEARING, *VOICE_NODE, *RECORDER, *DISPLAY, *_rooms("session_log", "ros")),
     *_rooms("voice_assist", "alarms", "answers", "pedal", "alarms.yaml", "pedal.yaml"),
 )
+PAPER = (*SYSTEM, "/demo/overrides.yaml", "/demo/robot_overrides.yaml")
 SET_UP = tuple(
     f"/{file}" for file in ("docker/setup.sh", "docker/constraints.txt", "requirements.txt")
 )

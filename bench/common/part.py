@@ -28,7 +28,10 @@ class Part:
         command: That measures it; empty: `make bench ONLY=<name>`.
         last_in: Last commit with its bench, where that is gone.
         decides: "rest" or "motion", where its figures follow from what hearing decides, and from
-            its other rooms: hearing that decides the same on fixed clips leaves them true.
+            its other rooms: hearing that decides the same on fixed clips leaves them true, but for
+            its times.
+        moves: Its motions are such as those of the fixed sessions: a controller that moves the same
+            in them leaves its figures true.
     """
 
     name: str
@@ -40,6 +43,7 @@ class Part:
     command: str = ""
     last_in: str = ""
     decides: str = ""
+    moves: bool = False
 
     @property
     def file(self) -> str:

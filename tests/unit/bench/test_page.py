@@ -16,13 +16,14 @@ from support.figures import Figure, rate, read, share, write
 from support.product_code import HEARING, beside_hearing, definitions, identity
 
 PART = measurable()["voice.armed"]
+MOVED = measurable()["site.turns"]
 MACHINE = {"cpu": "AMD EPYC", "cores": 2, "load_at_start": 0.5, "date": "2026-11-25"}
 SHARE = share("right", 9, 10, 95.0)
 
 
-def on_file(folder, *figures, **more):
-    write(folder / f"{PART.file}.json", figures, MACHINE, **more)
-    return page.load(PART, folder)
+def on_file(folder, *figures, part=PART, **more):
+    write(folder / f"{part.file}.json", figures, MACHINE, **more)
+    return page.load(part, folder)
 
 
 def rows(text, name):
@@ -124,12 +125,34 @@ def test_changed_code_that_moves_the_same_in_fixed_sessions_is_marked_so(
 ):
     file = tmp_path / "fixed_sessions.json"
     if noted is not None:
-        known = {identity(PART.rooms) if code == "now" else code: m for code, m in noted.items()}
+        known = {identity(MOVED.rooms) if code == "now" else code: m for code, m in noted.items()}
         file.write_text(json.dumps(known))
     monkeypatch.setattr(support_figures, "FIXED_SESSIONS", file)
-    assert on_file(tmp_path, SHARE, code="other").age == age
+    assert on_file(tmp_path, SHARE, part=MOVED, code="other").age == age
     if age:
         assert page.AGES[age] in page.text(tmp_path)
+
+
+def test_what_the_fixed_sessions_never_do_is_of_other_code_though_they_are_the_same(
+    tmp_path, monkeypatch
+):
+    part = measurable()["site.stops"]
+    file = tmp_path / "fixed_sessions.json"
+    file.write_text(json.dumps({"other": "a", identity(part.rooms): "a"}))
+    monkeypatch.setattr(support_figures, "FIXED_SESSIONS", file)
+    assert on_file(tmp_path, SHARE, part=part, code="other").age is False
+
+
+def test_times_are_of_older_code_though_it_decides_the_same(tmp_path, monkeypatch):
+    noted = tmp_path / "decisions.json"
+    noted.write_text(json.dumps({"code": identity(PART.rooms), "rest": "a"}))
+    monkeypatch.setattr(support_figures, "DECISIONS", noted)
+    times = [Figure("late", 3.0, unit, 5.0) for unit in ("ms", "s", "% of a core")]
+    result = on_file(tmp_path, SHARE, *times, code="other", decisions="a")
+    assert [result.age_of(f) for f in result.figures] == [page.SAME, False, False, False]
+    counted = "Of these verdicts 0 are of the present code, 1 of\nchanged code that does the same"
+    assert counted in page.text(tmp_path)
+    assert "3 of code that was changed since. Of 0 it is not recorded." in page.text(tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -168,7 +191,7 @@ def test_the_head_counts_verdicts_without_a_bound_and_of_changed_code(tmp_path):
     head = page.text(tmp_path).partition("## Missed")[0]
     assert "1 targets are met and 1 missed." in head
     assert "1 of those met have no bound" in head
-    assert "2 of all these verdicts are of code that was changed since." in head
+    assert "2 of code that was changed since." in head
 
 
 @pytest.mark.parametrize(
