@@ -24,7 +24,7 @@ from bench.voice.outcomes import hours, motions
 from bench.voice.trials import MOTIONS
 from support.figures import Figure, rate, share
 from support.product_code import HEARING, identity
-from voice_assist.types import RATE, Mode
+from voice_assist.types import Mode
 
 SEED = 23
 YES, OTHERS = "yes", ("no", "okay", "thank you", "next one please")
@@ -42,10 +42,11 @@ class AskTrial:
 
     def scene(self) -> tuple[Label, SoundScene]:
         """What to stream, and what is known of it."""
-        sound, _, _ = stream_of(self.said)
+        sound, _, seconds = stream_of(self.said)
         if self.answer is not None:
-            sound = np.concatenate([sound, stream_of(self.answer)[0]])
-        label: Label = {**asdict(self.said.clip), "seconds": len(sound) / RATE}
+            answer, _, more = stream_of(self.answer)
+            sound, seconds = np.concatenate([sound, answer]), seconds + more
+        label: Label = {**asdict(self.said.clip), "seconds": seconds}  # without what is around it
         return label, SoundScene(sound, Mode.ACTIVE, keeps_mode=False, asks=True)
 
 

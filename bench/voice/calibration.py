@@ -263,10 +263,18 @@ def _write(curves: Mapping[str, Reliability], claims: int) -> None:
 
 
 def _records() -> list[SceneRecord]:
-    found: list[SceneRecord] = []
+    """What the three parts have kept.
+
+    Raises:
+        ValueError: One has kept nothing.
+    """
     trials = {name: chunks(some) for name, some in voice_trials.conditions(THIN).items() if some}
-    for records in pieces.measured("trials", trials).values():
-        found += records
-    for records in near_misses.measured().values():
-        found += [r for r in records if not near_misses.is_same(r)]
-    return found + armed.measured()
+    near = [r for records in near_misses.measured().values() for r in records]
+    found = {
+        "voice.trials": [r for rs in pieces.measured("trials", trials).values() for r in rs],
+        "voice.near": [r for r in near if not near_misses.is_same(r)],
+        "voice.armed": armed.measured(),
+    }
+    if lacking := [part for part, records in found.items() if not records]:
+        raise ValueError(f"{', '.join(lacking)}: nothing is kept; measure that first")
+    return [record for records in found.values() for record in records]
