@@ -7,7 +7,8 @@ takes the place of one that rests on more.
 
 In the environment: JOBS the processes, MINUTES after which no piece is begun, SHARE the part of a
 plan to take (0.02: one in fifty, to try), RESULTS a folder of the repository to write to instead of
-bench/results, FORCE=1 to write whatever is on file.
+bench/results, MODEL another recogniser than the shipped one, whose results are written aside,
+FORCE=1 to write whatever is on file.
 """
 
 from __future__ import annotations
@@ -35,8 +36,9 @@ JOBS = int(os.environ.get("JOBS") or os.cpu_count() or 1)
 MINUTES = float(os.environ.get("MINUTES", "inf"))
 SHARE = float(os.environ.get("SHARE", "1"))
 CACHE = ROOT / ".cache" / "bench"
-PLACE = ROOT / os.environ.get("RESULTS", "bench/results")
-ASIDE = CACHE / "partial"  # for results that rest on less than those on file
+MODEL = os.environ.get("MODEL", "embedded")
+ASIDE = CACHE / "partial"  # for results that rest on less than those on file, or on another model
+PLACE = ROOT / os.environ.get("RESULTS", "bench/results" if MODEL == "embedded" else ASIDE)
 
 _T = TypeVar("_T")
 
@@ -210,8 +212,8 @@ def kept(name: str, measure: Callable[[], list[Figure]]) -> Callable[[], list[Fi
     """
 
     def measure_and_choose() -> list[Figure]:
-        figures.RESULTS = PLACE
         found = measure()
+        figures.RESULTS = PLACE if found else ASIDE  # nothing takes no result's place
         rests = next((f for f in found if f.name == MEASURED), None)
         if rests is not None:
             figures.RESULTS = place(f"{name}.json", rests.value, rests.target)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import resource
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cache
@@ -11,12 +12,14 @@ from pathlib import Path
 from typing import Any
 
 from bench.common.resumable import digest, remembered, source
+from bench.enrolment import cast
 from bench.enrolment.cast import EnrolledSpeech, Surgeon, material
 from bench.enrolment.cast import SurgeonMaterial as Recorded
 from support.figures import ROOT
-from voice_assist.config import CONFIG_DIR, VoiceConfig, load_voice_config
+from support.product_code import ENROLMENT, identity
+from voice_assist.config import VoiceConfig, load_voice_config
 from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
-from voice_assist.enrolment import adapt, examples, learn
+from voice_assist.enrolment import learn
 from voice_assist.enrolment.examples import Example
 from voice_assist.enrolment.pipeline_probe import PipelineProbe
 from voice_assist.enrolment.takes.checks import TakeCheck
@@ -44,7 +47,8 @@ class EnrolmentPiece:
 
     surgeon: str
     repetitions: int
-    tested: Counts  # commands that were not enrolled
+    first: Counts  # of commands that were not enrolled, the first repetition
+    later: Counts  # their others
     talk: Counts  # talk that was not enrolled
     near: Counts  # near misses
     stranger: Counts  # another's first commands, with this profile; of the base its own first ones
@@ -52,10 +56,16 @@ class EnrolmentPiece:
     seconds: float = 0.0  # [s] of CPU time to learn
     memory: float = 0.0  # [MB] largest resident set
 
+    @property
+    def tested(self) -> Counts:
+        """All commands that were not enrolled."""
+        one, other = self.first, self.later
+        return Counts(one.n + other.n, one.right + other.right, one.another + other.another)
+
     @staticmethod
     def from_json(data: dict[str, Any]) -> EnrolmentPiece:
         """What was written of it."""
-        counts = {k: Counts(**data[k]) for k in ("tested", "talk", "near", "stranger")}
+        counts = {k: Counts(**data[k]) for k in ("first", "later", "talk", "near", "stranger")}
         return EnrolmentPiece(**{**data, **counts})
 
 
@@ -103,11 +113,8 @@ def _path(surgeon: Surgeon, repetitions: int) -> Path:
 
 @cache
 def key() -> str:
-    """Of model, settings of learning, and code that learns; what hears may change in between."""
-    sha = load_recognizer().model_hash
-    settings = (CONFIG_DIR / "enrolment.yaml").read_text(encoding="utf-8")
-    wanted = load_enrolment_config().adapt
-    return digest(sha, wanted, len(settings) and source(adapt, examples, learn))
+    """Of the product that learns and hears, with its settings, and of what is said and counted."""
+    return digest(identity(ENROLMENT), source(cast, sys.modules[__name__]))
 
 
 def enrolled(
@@ -175,12 +182,9 @@ def _heard(
     return EnrolmentPiece(
         surgeon=str(surgeon),
         repetitions=0,
-        tested=_sum(first, count(probe, recorded.tested[one_each:], phrases)),
+        first=first,
+        later=count(probe, recorded.tested[one_each:], phrases),
         talk=count(probe, recorded.other[:half][:_OTHER], phrases),
         near=count(probe, recorded.other[half:][:_OTHER], phrases),
         stranger=count(probe, stranger[:one_each], phrases) if stranger else first,
     )
-
-
-def _sum(one: Counts, other: Counts) -> Counts:
-    return Counts(one.n + other.n, one.right + other.right, one.another + other.another)

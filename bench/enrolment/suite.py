@@ -8,7 +8,6 @@ of the surgeons to take, MINUTES after which no more are begun, REPETITIONS a li
 
 from __future__ import annotations
 
-import json
 import os
 import time
 from collections.abc import Sequence
@@ -17,12 +16,13 @@ from itertools import product
 
 import torch
 
-from bench.common.resumable import MINUTES, measured, share_of
+from bench.common.resumable import MINUTES, measured, share_of, write_details
 from bench.enrolment.cast import Surgeon, surgeons
 from bench.enrolment.pieces import Counts, EnrolmentPiece, is_done, piece
-from support.figures import RESULTS, Figure, share
+from support.figures import Figure, share
 
-REPETITIONS = tuple(int(n) for n in os.environ.get("REPETITIONS", "3,5,10").split(","))
+FULL = (3, 5, 10)  # repetitions
+REPETITIONS = tuple(map(int, os.environ.get("REPETITIONS", "3,5,10").split(",")))
 FEWEST = 20  # surgeons
 
 
@@ -41,11 +41,11 @@ def measure() -> list[Figure]:
         found = piece(surgeon, stranger, repetitions)
         print(f"{repetitions:2} {surgeon}: {found.tested.right} of {found.tested.n}", flush=True)
     done = sum(is_done(s, n) for s in cast for n in (0, *REPETITIONS))
-    full = len(surgeons()) * (1 + len(REPETITIONS))
-    return [measured(done, "surgeons enrolled", full), *_all(cast)]
+    full = len(surgeons()) * (1 + len(FULL))
+    return [measured(done, "surgeons enrolled", full), *_all(cast, done)]
 
 
-def _all(cast: Sequence[Surgeon]) -> list[Figure]:
+def _all(cast: Sequence[Surgeon], count: int) -> list[Figure]:
     """Figures of those surgeons of whom base and so many repetitions are there."""
     figures, details = [], []
     for repetitions in REPETITIONS:
@@ -62,8 +62,7 @@ def _all(cast: Sequence[Surgeon]) -> list[Figure]:
         figures += _of(repetitions, pairs, strangers)
         details += [asdict(after) for _, after in pairs]
     details += [asdict(piece(s, s, 0)) for s in cast if is_done(s, 0)]
-    path = RESULTS / "enrolment_surgeons.json"
-    path.write_text(json.dumps(details, indent=1) + "\n", encoding="utf-8")
+    write_details("enrolment_surgeons.json", count, {"surgeons": details})
     return figures
 
 
@@ -77,24 +76,24 @@ def _of(
     pairs: Sequence[tuple[EnrolmentPiece, EnrolmentPiece]],
     strangers: Sequence[Counts],
 ) -> list[Figure]:
-    """Figures after so many repetitions; `strangers` is what the base hears of their voices."""
+    """Figures after so many repetitions; `strangers` is what the base hears of their voices.
+
+    The worst quarter are those whose first repetitions the base hears worst. They are judged by
+    the others: a surgeon may be among the worst by chance, and chance does not repeat itself.
+    """
     of = f"{repetitions} repetitions"
-    worst = sorted(pairs, key=lambda pair: _error([pair[0].tested]), reverse=True)
+    worst = sorted(pairs, key=lambda pair: _error([pair[0].first]), reverse=True)
     worst = worst[: max(len(pairs) // 4, 1)]
-    worst_before, worst_after = (_error([p[i].tested for p in worst]) for i in (0, 1))
+    worst_before, worst_after = ([p[i].later for p in worst] for i in (0, 1))
+    over = _error(worst_after) / max(_error(worst_before), 1e-9)
     lost = _error([p[1].stranger for p in pairs]) - _error(strangers)
     figures = [
         Figure(f"{of}: surgeons", len(pairs), "", FEWEST, at_most=False),
         _share(f"{of}: error of all, base", [p[0].tested for p in pairs]),
         _share(f"{of}: error of all, profile", [p[1].tested for p in pairs]),
-        _share(f"{of}: worst quarter, base", [p[0].tested for p in worst]),
-        _share(f"{of}: worst quarter, profile", [p[1].tested for p in worst]),
-        Figure(
-            f"{of}: worst quarter, profile over base",
-            worst_after / max(worst_before, 1e-9),
-            "",
-            0.5,
-        ),
+        _share(f"{of}: worst quarter, base", worst_before),
+        _share(f"{of}: worst quarter, profile", worst_after),
+        Figure(f"{of}: worst quarter, profile over base", over, "", 0.5),
         Figure(f"{of}: error on another's voice, profile less base", 100.0 * lost, "points", 1.0),
     ]
     for name, who in (("base", 0), ("profile", 1)):
@@ -121,11 +120,13 @@ def _error(counts: Sequence[Counts]) -> float:
 
 
 def _share(name: str, counts: Sequence[Counts]) -> Figure:
-    n = sum(c.n for c in counts)
-    wrong = n - sum(c.right for c in counts)
-    return share(name, wrong, n, at_most=True)
+    return _of_surgeons(name, [(c.n - c.right, c.n) for c in counts])
 
 
 def _another(name: str, counts: Sequence[Counts]) -> Figure:
-    n, wrong = sum(c.n for c in counts), sum(c.another for c in counts)
-    return share(name, wrong, n, at_most=True)
+    return _of_surgeons(name, [(c.another, c.n) for c in counts])
+
+
+def _of_surgeons(name: str, counts: Sequence[tuple[int, int]]) -> Figure:
+    wrong, n = (sum(column) for column in zip(*counts, strict=True))
+    return share(name, wrong, n, at_most=True, groups=counts)

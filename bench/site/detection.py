@@ -17,13 +17,15 @@ from typing import Final
 
 import numpy as np
 
+from bench.common.resumable import measured
 from bench.kinova.rig import STEP, KinovaRig, kinova_motion
 from bench.site.stops import DoesNotSetOff, Drill
 from rst_control.kinova.arm_state import ArmReport, ArmState, Banks
 from rst_control.kinova.config import KinovaConfig, load_kinova_config
 from support.figures import Figure
 
-TRIALS: Final = int(os.environ.get("BENCH_DETECTIONS", "15"))  # of each kind and rate
+FULL: Final = 15  # trials of each kind and rate
+TRIALS: Final = int(os.environ.get("BENCH_DETECTIONS", str(FULL)))
 RATES: Final = (40.0, 200.0, 1000.0)  # [Hz]
 PERIODS: Final = 1.4  # of the feedback, and
 HOLD_UP: Final = 0.025  # [s] by host or network, after which feedback counts as lost
@@ -39,7 +41,7 @@ def measure() -> list[Figure]:
     pairs = [(name, rate) for name in KINDS for rate in RATES]
     with ProcessPoolExecutor(PROCESSES) as pool:
         found = list(pool.map(_times, *zip(*pairs, strict=True)))
-    figures: list[Figure] = []
+    figures = [measured(TRIALS, "trials of each kind and rate", FULL)]
     for (name, rate), times in zip(pairs, found, strict=True):
         title, ms = f"{name}, feedback at {rate:.0f} Hz", 1e3 * np.array(times)
         note = f"({len(times)} trials)"

@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.common.resumable import measured
 from bench.common.rig import Rig
 from bench.kinova.suite import TARGETS, carry_out
 from bench.motion import triangulate
@@ -35,14 +36,16 @@ Array = NDArray[np.float64]
 TILTS: Final = (0, 30, 45, 90, 180)  # [deg]
 AZIMUTH: Final = np.radians(35.0)  # to which the base leans: neither along nor across the arm
 TABLE: Final = -1.0  # [m] of the table below the base, where that is not bolted to it
-TISSUES: Final = int(os.environ.get("BENCH_TISSUES", "1000"))
-TRIALS: Final = int(os.environ.get("BENCH_TRIALS", "120"))
+FULL: Final = (1000, 120)  # tissues and trials of tension, at each tilt
+TISSUES: Final = int(os.environ.get("BENCH_TISSUES", str(FULL[0])))
+TRIALS: Final = int(os.environ.get("BENCH_TRIALS", str(FULL[1])))
 STARTS: Final = 100  # for each tilt and each setting of the check at rest
 
 
 def measure() -> list[Figure]:
     """All figures, tilt by tilt."""
-    return [figure for tilt in TILTS for figure in _at(tilt)] + _wrong_settings()
+    rests = measured(min(TISSUES / FULL[0], TRIALS / FULL[1]), "of the whole", 1.0)
+    return [rests, *(figure for tilt in TILTS for figure in _at(tilt)), *_wrong_settings()]
 
 
 def down(tilt: float, azimuth: float = AZIMUTH) -> Array:

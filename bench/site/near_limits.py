@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from bench.common.resumable import measured
 from rst_control.config import load_motion_config
 from rst_control.kinematics import constrained_ik
 from rst_control.kinematics import forward as kin
@@ -22,7 +23,8 @@ from rst_control.planning.planner import Planner
 from support.figures import Figure
 
 Array = NDArray[np.float64]
-POSES: Final = int(os.environ.get("BENCH_NEAR_LIMITS", "3000"))
+FULL: Final = 3000  # poses
+POSES: Final = int(os.environ.get("BENCH_NEAR_LIMITS", str(FULL)))
 NEAR: Final = 0.005  # [rad] of a joint from its limit, at most
 SOLVED: Final = 1e-9  # [m] of pose and trocar that may be missing (a radian counts as 0.1 m)
 QUICK: Final = 0.010  # [s]
@@ -46,6 +48,7 @@ def measure() -> list[Figure]:
     share, quick_share = (100.0 * float(np.mean(which)) for which in (solved, quick))
     note = f"({sum(solved)} of {POSES} reachable poses; 1 to 3 joints within 5 mrad of a limit)"
     return [
+        measured(POSES, "poses", FULL),
         Figure("IK near joint limits: solved", share, "%", 99.9, False, note),
         Figure(
             "IK near joint limits: solved within 10 ms",

@@ -26,6 +26,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from bench.common import resumable
 from bench.common.resumable import CACHE, JOBS, carried_out, code, digest, pool
 from bench.common.rig import Rig
 from bench.kinova.rig import FILES, KinovaRig, kinova_motion
@@ -69,12 +70,14 @@ def measured(lead: str) -> list[Figure]:
     with pool(JOBS, _prepare) as processes:
         list(carried_out("site.plant", jobs, _one, processes))
     figures: list[Figure] = []
+    seconds = {plant: 0.0 for plant in ALL_PLANTS if (lead, plant) != REFUSED}
     for plant in plants:
         files = [file for (_, _, of), file in jobs if of == plant and file.is_file()]
         pieces = [Seen(**json.loads(file.read_text(encoding="utf-8"))) for file in files]
+        seconds[plant] = sum(piece.seconds for piece in pieces)
         if pieces:
             figures += figures_of(f"{lead}, {plant}", pieces, is_fixed="breathing" not in plant)
-    return figures
+    return [resumable.measured(min(seconds.values()), "s in each plant", HOUR), *figures]
 
 
 def _file(job: Job) -> Path:

@@ -36,7 +36,8 @@ from support import product_code as code
 from support.figures import Figure
 
 Array = NDArray[np.float64]
-TRIALS: Final = int(os.environ.get("BENCH_LOSSES", "200"))  # of each kind
+FULL: Final = 200  # trials of each kind
+TRIALS: Final = int(os.environ.get("BENCH_LOSSES", str(FULL)))
 TURNED: Final = 0.05  # [rad] of the poses: the tip goes, so that it reaches its speed
 SPEED: Final = 0.020  # [m/s]
 ALMOST: Final = 0.95  # of that speed, from which a path counts
@@ -78,7 +79,7 @@ def measure() -> list[Figure]:
             found[list(KINDS)[int(file.name[0])]] += [Stopped(**row) for row in rows]
     least = min(len(trials) for trials in found.values())
     figures = [f for name, trials in found.items() if trials for f in _figures(name, trials)]
-    return [resumable.measured(least, "trials of each kind", TRIALS), *figures]
+    return [resumable.measured(least, "trials of each kind", FULL), *figures]
 
 
 def _piece(job: tuple[str, int]) -> list[dict[str, Any]]:

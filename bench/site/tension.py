@@ -32,7 +32,8 @@ from support import product_code as code
 from support.figures import Figure
 from support.product_code import identity
 
-SITUATIONS = int(os.environ.get("BENCH_SITUATIONS", "10000"))
+FULL: Final = 10_000  # situations
+SITUATIONS = int(os.environ.get("BENCH_SITUATIONS", str(FULL)))
 PIECE: Final = 50  # situations that are kept together
 SITES: Final = (80.0, 200.0, 600.0, 1500.0, 4000.0)  # [N/m] stiffest tissue, as each states
 SOFTEST: Final = 80.0  # [N/m]
@@ -194,7 +195,7 @@ def measure() -> list[Figure]:
             found[file.name.partition("_")[0]] += [TensionPeak(**row) for row in rows]
     scaled, good, drawn = (found[variant] for variant in VARIANTS)
     return [
-        resumable.measured(len(drawn), "situations", SITUATIONS),
+        resumable.measured(len(drawn), "situations", FULL),
         *(_figures(drawn, ABOVE * tension.limit) if drawn else ()),
         *(_scaled(scaled, ABOVE * tension.limit / LOWEST) if scaled else ()),
         *(_good(good, tension.limit) if good else ()),
@@ -235,7 +236,7 @@ def _figures(found: Sequence[TensionPeak], limit: float) -> list[Figure]:
     note = f"({given} commands, {accepted} accepted; 80 to 4000 N/m; {again} passed the limit and"
     note = f"{note} were carried out again at the product's rate, which counts)"
     figures = [
-        Figure("tension, any fault of its sensor: situations", len(found), "", 10000, False, note),
+        Figure("tension, any fault of its sensor: situations", len(found), "", FULL, False, note),
         Figure(f"tension, any fault of its sensor: above {limit:.2f} N", len(above), "", 0.0),
         Figure("tension, any fault of its sensor: peak", max(p.peak for p in found), "N", limit),
     ]

@@ -2,7 +2,7 @@
 """Plans from the same place with every endless joint written in each of its turns.
 
 A plan is compared with the shortest one over all turns of its start: no joint may move more than
-pi further. Refusals are counted by their reason.
+pi further. The elbow may move as far as rcm.yaml allows. Refusals are counted by their reason.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.common import resumable
 from bench.motion.inverse import reachable
 from rst_control.config import load_motion_config
 from rst_control.errors import Infeasible
@@ -29,7 +30,8 @@ from rst_control.types import Vector
 from support.figures import Figure
 
 Array = NDArray[np.float64]
-STARTS: Final = int(os.environ.get("BENCH_TURNS", "1000"))
+FULL: Final = 1000  # starts
+STARTS: Final = int(os.environ.get("BENCH_TURNS", str(FULL)))
 
 
 @dataclass(frozen=True)
@@ -117,9 +119,12 @@ def measure() -> list[Figure]:
     long = sum(way.excess > np.pi for way in ways)
     note = f"({STARTS} starts, {count} with all their turns; refused: {refused})"
     worst, elbow = max(way.excess for way in ways), [1e3 * way.elbow for way in ways]
+    far = sum(way.elbow > way.elbow_allowed for way in ways)
     return [
+        resumable.measured(STARTS, "starts", FULL),
         Figure("turns: plans a joint of which goes the long way", long, "", 0, note=note),
         Figure("turns: joint beyond the shortest plan, max", worst, "rad", np.pi),
+        Figure("turns: plans whose elbow goes further than allowed", far, "", 0),
         Figure("turns: way of the elbow, max", max(elbow), "mm"),
         Figure(
             "turns: way of the elbow, p99",

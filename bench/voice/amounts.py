@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import os
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from itertools import groupby
@@ -25,7 +25,8 @@ from bench.common import resumable
 from bench.voice.hearing.pieces import MODEL
 from bench.voice.hearing.replay_stream import SceneListener, SceneResult, SoundScene
 from bench.voice.material.held_out_voices import SyntheticVoice, natives, spread
-from support.figures import Figure, share
+from bench.voice.outcomes import share_of_voices
+from support.figures import Figure
 from support.product_code import HEARING, identity
 from voice_assist.assembly import limit_torch
 from voice_assist.config import load_voice_config
@@ -108,21 +109,41 @@ def figures(heard: Sequence[HeardClip]) -> list[Figure]:
     meant, fixed = texts(), load_voice_config().commands.phrases
     said = [one for one in heard if meant[one.text]]
     near = [one for one in heard if not meant[one.text]]
-    wrong = sum(is_wrong(meant[one.text], one.taken) for one in heard)
-    right = [one.taken for one in said if _command(one.taken) == meant[one.text]]
-    asked = sum(taken.startswith(LARGEST) for taken in right)
-    plain, amounts = (sum(one.taken in fixed for one in heard), sum(map(_is_amount, near)))
+
+    def is_right(one: HeardClip) -> bool:
+        return _command(one.taken) == meant[one.text]
+
+    def is_of_another(one: HeardClip) -> bool:
+        return is_wrong(meant[one.text], one.taken)
+
+    def is_asked_for(one: HeardClip) -> bool:
+        return one.taken.startswith(LARGEST)
+
+    def is_plain(one: HeardClip) -> bool:
+        return one.taken in fixed
+
     cost = sum(one.compute for one in heard) / len(heard)
     seconds = sum(one.seconds for one in heard) / len(heard)
-    name = Path(MODEL).stem
+    name, right = Path(MODEL).stem, list(filter(is_right, said))
     return [
-        share(f"{name}: a wrong amount taken or asked for", wrong, len(heard), 0.0, True),
-        share(f"{name}: near misses taken as an amount", amounts, len(near), 0.0, True),
-        share(f"{name}: amounts taken or asked for rightly", len(right), len(said)),
-        share(f"{name}: of these asked for first", asked, max(len(right), 1)),
-        share(f"{name}: taken as a command without an amount", plain, len(heard), None, True),
+        _share(f"{name}: a wrong amount taken or asked for", heard, is_of_another, 0.0, True),
+        _share(f"{name}: near misses taken as an amount", near, _is_amount, 0.0, True),
+        _share(f"{name}: amounts taken or asked for rightly", said, is_right),
+        _share(f"{name}: of these asked for first", right, is_asked_for),
+        _share(f"{name}: taken as a command without an amount", heard, is_plain, None, True),
         Figure(f"{name}: processor time per clip", cost, "s", note=f"of {seconds:.1f} s of sound"),
     ]
+
+
+def _share(
+    name: str,
+    some: Sequence[HeardClip],
+    counts: Callable[[HeardClip], bool],
+    target: float | None = None,
+    at_most: bool = False,
+) -> Figure:
+    trials = [(one.voice, counts(one)) for one in some] or [("", False)]
+    return share_of_voices(name, trials, target, at_most)
 
 
 def is_wrong(meant: str, taken: str) -> bool:

@@ -17,9 +17,9 @@ from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.material.answers import PER_CHUNK, AnswerTrial
 from bench.voice.material.held_out_voices import natives, spread
 from bench.voice.material.synthesis import DEV, SpokenClip, recorded, spoken
-from bench.voice.outcomes import delays, motions
+from bench.voice.outcomes import delays, motions, share_of_voices, voice
 from bench.voice.trials import STOP
-from support.figures import Figure, share
+from support.figures import Figure
 from voice_assist.answers.sentences import catalogue
 
 SEED = 29
@@ -41,7 +41,8 @@ def measure() -> list[Figure]:
 
 def _of(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
     stopped = [r for r in records if "stop" in r.heard.taken]
-    figures = [share(f"{name}: stopped", len(stopped), len(records))]
+    heard = ((voice(r), "stop" in r.heard.taken) for r in records)
+    figures = [share_of_voices(f"{name}: stopped", heard)]
     times = delays(stopped)
     if times:
         quantiles = {f"p{q}": float(np.percentile(times, q)) for q in (50, 99)}

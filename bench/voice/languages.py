@@ -29,9 +29,9 @@ from bench.voice.hearing.pieces import Label, SceneRecord
 from bench.voice.hearing.replay_stream import SceneListener, SceneResult, SoundScene
 from bench.voice.material import language_clips
 from bench.voice.material.mixing import StreamedTrial, stream_of, trials_of
-from bench.voice.outcomes import motions, processor, right, tally
+from bench.voice.outcomes import another, motions, processor, right, share_of_voices, tally, voice
 from support import product_code
-from support.figures import Figure, percentiles, share
+from support.figures import Figure, percentiles
 from voice_assist.assembly import limit_torch
 from voice_assist.config import load_voice_config
 from voice_assist.config.commands import NOT_MOTIONS
@@ -155,8 +155,7 @@ def _commands(
 ) -> list[Figure]:
     count = tally(records)
     note = _said(r for r in records if set(r.heard.taken) - {r.label["text"]})
-    wrong = share(f"{name}: another command", count.wrong, count.n, 0.0, at_most=True, note=note)
-    return [right(name, count, least), wrong]
+    return [right(name, count, least), another(name, count, 0.0, note)]
 
 
 def _near_misses(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
@@ -168,14 +167,15 @@ def _other_words(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
 
 
 def _no_commands(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
-    moved = [r for r in records if not motions().isdisjoint(r.heard.taken)]
-    halted = [r for r in records if "stop" in r.heard.taken]
-    asked = [r for r in records if any(t.why.startswith(ASKED) for t in r.heard.said)]
-    n, note, title = len(records), _said(moved), f"{name}: said twice, taken as a motion"
+    asked = ((voice(r), any(t.why.startswith(ASKED) for t in r.heard.said)) for r in records)
+    moved = [(voice(r), not motions().isdisjoint(r.heard.taken)) for r in records]
+    halted = ((voice(r), "stop" in r.heard.taken) for r in records)
+    note = _said(r for r, (_, is_moved) in zip(records, moved, strict=True) if is_moved)
+    title = f"{name}: said twice, taken as a motion"
     return [
-        share(f"{name}: asked for as a motion", len(asked), n, at_most=True),
-        share(title, len(moved), n, 0.0, at_most=True, note=note),
-        share(f"{name}: taken as stop", len(halted), n, at_most=True),
+        share_of_voices(f"{name}: asked for as a motion", asked, at_most=True),
+        share_of_voices(title, moved, 0.0, at_most=True, note=note),
+        share_of_voices(f"{name}: taken as stop", halted, at_most=True),
     ]
 
 

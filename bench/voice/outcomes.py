@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any, Literal
 
@@ -60,7 +60,7 @@ class TrialTally:
     nothing: int
     wrong: int  # another command, the opposite too
     opposite: int
-    by_voice: tuple[tuple[int, int, int], ...] = ()  # right, wrong and all trials of each
+    by_voice: tuple[TrialTally, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """With exact one-sided bounds at 95 % each."""
@@ -83,13 +83,12 @@ def tally(records: Iterable[SceneRecord]) -> TrialTally:
         came = verdict(text(record), record.heard.taken)
         found[came] += 1
         voices.setdefault(voice(record), Counter())[came] += 1
-    by_voice = tuple((v["right"], _wrong(v), v.total()) for v in voices.values())
-    right, nothing, opposite = found["right"], found["nothing"], found["opposite"]
-    return TrialTally(found.total(), right, nothing, _wrong(found), opposite, by_voice)
+    return replace(_of(found), by_voice=tuple(map(_of, voices.values())))
 
 
-def _wrong(found: Counter[Verdict]) -> int:
-    return found["wrong"] + found["opposite"]
+def _of(found: Counter[Verdict]) -> TrialTally:
+    wrong = found["wrong"] + found["opposite"]
+    return TrialTally(found.total(), found["right"], found["nothing"], wrong, found["opposite"])
 
 
 def by(records: Sequence[SceneRecord], key: Callable[[SceneRecord], str]) -> dict[str, TrialTally]:
@@ -117,18 +116,48 @@ def voice(record: SceneRecord) -> str:
 
 def right(name: str, count: TrialTally, target: float | None = None) -> Figure:
     """Share that was right."""
-    groups = [(right, n) for right, _, n in count.by_voice]
+    groups = [(one.right, one.n) for one in count.by_voice]
     return share(f"{name}: right", count.right, count.n, in_percent(target), groups=groups)
 
 
 def others(name: str, count: TrialTally, targets: bool = False) -> list[Figure]:
     """Share of another command, and how many of these go against what was said."""
     limit, none = (0.1, 0.0) if targets else (None, None)
-    groups, what = [(wrong, n) for _, wrong, n in count.by_voice], f"{name}: another command"
+    against = [(one.opposite, one.n) for one in count.by_voice]
     return [
-        share(what, count.wrong, count.n, limit, at_most=True, groups=groups),
-        share(f"{name}: opposite", count.opposite, count.n, none, at_most=True),
+        another(name, count, limit),
+        share(f"{name}: opposite", count.opposite, count.n, none, at_most=True, groups=against),
     ]
+
+
+def another(name: str, count: TrialTally, limit: float | None, note: str = "") -> Figure:
+    """Share of another command, the opposite too; the limit in per cent."""
+    groups, what = [(one.wrong, one.n) for one in count.by_voice], f"{name}: another command"
+    return share(what, count.wrong, count.n, limit, at_most=True, note=note, groups=groups)
+
+
+def share_of_voices(
+    name: str,
+    trials: Iterable[tuple[str, bool]],
+    target: float | None = None,
+    at_most: bool = False,
+    note: str = "",
+) -> Figure:
+    """Share of trials [%], whose bound counts voices.
+
+    Args:
+        name: Of the figure.
+        trials: Voice of each, and whether it counts; at least one.
+        target: In per cent.
+        at_most: Whether few are good.
+        note: Conditions, beside the counts.
+    """
+    found: dict[str, list[bool]] = {}
+    for who, counts in trials:
+        found.setdefault(who, []).append(counts)
+    groups = [(sum(some), len(some)) for some in found.values()]
+    count, n = (sum(column) for column in zip(*groups, strict=True))
+    return share(name, count, n, target, at_most, note, groups=groups)
 
 
 def in_percent(target: float | None) -> float | None:

@@ -17,9 +17,17 @@ from bench.voice.hearing.replay_stream import WAYS, Way, way_name
 from bench.voice.material.held_out_voices import natives, spread
 from bench.voice.material.overlap import PER_CHUNK, OverlapTrial
 from bench.voice.material.synthesis import DEV, TALK, SpokenClip, recorded, spoken
-from bench.voice.outcomes import delays, hours, in_percent, motions, processor
+from bench.voice.outcomes import (
+    delays,
+    hours,
+    in_percent,
+    motions,
+    processor,
+    share_of_voices,
+    voice,
+)
 from bench.voice.trials import STOP
-from support.figures import Figure, rate, share
+from support.figures import Figure, rate
 
 SEED = 11
 LEVELS = (12.0, 6.0, 0.0, -6.0)  # [dB] of the word over the talk
@@ -57,7 +65,8 @@ def _of(name: str, trial: OverlapTrial, records: Sequence[SceneRecord]) -> list[
     if trial.kind == "at once" and trial.level >= 0.0:
         target = 1.0
     stopped = [r for r in records if "stop" in r.heard.taken]
-    figures = [share(f"{name}: stopped", len(stopped), len(records), in_percent(target))]
+    heard = ((voice(r), "stop" in r.heard.taken) for r in records)
+    figures = [share_of_voices(f"{name}: stopped", heard, in_percent(target))]
     if trial.kind == "at once":
         return [*figures, _moved(name, records)]
     return figures + (_latency(name, stopped) if trial.is_moving and trial.way == "both" else [])
@@ -65,8 +74,8 @@ def _of(name: str, trial: OverlapTrial, records: Sequence[SceneRecord]) -> list[
 
 def _moved(name: str, records: Sequence[SceneRecord]) -> Figure:
     """Scenes in which a motion was taken."""
-    count = sum(bool(motions() & set(r.heard.taken)) for r in records)
-    return share(f"{name}: motion taken", count, len(records), 0.0, at_most=True)
+    moved = ((voice(r), not motions().isdisjoint(r.heard.taken)) for r in records)
+    return share_of_voices(f"{name}: motion taken", moved, 0.0, at_most=True)
 
 
 def _load(name: str, records: Sequence[SceneRecord]) -> Figure:

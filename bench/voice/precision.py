@@ -13,20 +13,22 @@ from dataclasses import replace
 
 import torch
 
+from bench.common.resumable import measured
 from bench.voice import overlap
 from bench.voice.hearing.pieces import MODEL, SceneRecord, Trial
 from bench.voice.hearing.replay_stream import SceneListener, SceneResult
 from bench.voice.material.held_out_voices import natives, spread
 from bench.voice.material.mixing import trials_of
 from bench.voice.material.synthesis import spoken
-from bench.voice.outcomes import processor
+from bench.voice.outcomes import processor, share_of_voices, voice
 from bench.voice.trials import MOTIONS, OTHERS, STOP
-from support.figures import Figure, share
+from support.figures import Figure
 from voice_assist.assembly import limit_torch
 from voice_assist.config import load_voice_config
 from voice_assist.recognizer.precision import BFLOAT16, FLOAT32, dtype_for
 
-EACH = int(os.environ.get("EACH", "20"))
+FULL = 20  # EACH at which the plan counts as whole
+EACH = int(os.environ.get("EACH", str(FULL)))
 SEED = 30
 SNR = 6.0  # [dB] of a command over theatre noise
 SURENESS = 0.05  # [0, 1] of a decision, by which it may differ and still count as the same
@@ -38,17 +40,18 @@ def measure() -> list[Figure]:
         print("this processor does not multiply bfloat16: precision left out")
         return []
     limit_torch(load_voice_config())
-    plans = dict(_plans())
+    plans = dict(_plans(EACH))
     exact, quick = (_heard(plans, precision) for precision in (FLOAT32, BFLOAT16))
-    figures = []
+    count, full = (sum(map(len, some.values())) for some in (plans, dict(_plans(FULL))))
+    figures = [measured(count, "scenes", full)]
     for name in plans:
         both = zip(exact[name], quick[name], strict=True)
-        pairs = [(one.heard, other.heard) for one, other in both]
-        count = len(pairs)
-        otherwise = sum(not is_same(*pair) for pair in pairs)
-        figures.append(share(f"{name}: another command", otherwise, count, at_most=True))
-        less_sure = sum(is_same(*pair) and not is_as_sure(*pair) for pair in pairs)
-        figures.append(share(f"{name}: the same, but not as sure", less_sure, count, at_most=True))
+        pairs = [(voice(one), one.heard, other.heard) for one, other in both]
+        otherwise = ((who, not is_same(*pair)) for who, *pair in pairs)
+        figures.append(share_of_voices(f"{name}: another command", otherwise, at_most=True))
+        less_sure = ((who, is_same(*pair) and not is_as_sure(*pair)) for who, *pair in pairs)
+        what = f"{name}: the same, but not as sure"
+        figures.append(share_of_voices(what, less_sure, at_most=True))
         for precision, records in ((FLOAT32, exact[name]), (BFLOAT16, quick[name])):
             figures.append(Figure(f"{name}: processor, {precision}", processor(records), "%"))
     return figures
@@ -65,14 +68,14 @@ def is_as_sure(one: SceneResult, other: SceneResult) -> bool:
     return all(abs(a - b) <= SURENESS for a, b in zip(*sure, strict=True))
 
 
-def _plans() -> Iterator[tuple[str, Sequence[Trial]]]:
+def _plans(each: int) -> Iterator[tuple[str, Sequence[Trial]]]:
     clips = spoken(spread((*MOTIONS, *STOP, *OTHERS), natives().present, 1, SEED))
     quiet = trials_of(clips)
     noisy = [replace(trial, background="theatre", snr=SNR) for trial in quiet[::2]]
     yield "commands", [*quiet, *noisy]
     over = [trial for trials in dict(overlap.plans()).values() for trial in trials]
     for is_moving, state in overlap.STATES.items():
-        if some := [t for t in over if t.is_moving is is_moving][::EACH]:
+        if some := [t for t in over if t.is_moving is is_moving][::each]:
             yield f'talk, "stop" in most of it, {state}', some
 
 

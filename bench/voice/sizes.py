@@ -3,7 +3,7 @@
 
 The weights are random, of the true shape; only the embedded model is real. Random text is soon
 hopeless, as is most talk. A process of its own measures each model, so that no memory is shared.
-Which weights a real model needs is not asked: MODEL=file measures that file beside them.
+Which weights a real model needs is not asked: WEIGHTS=file measures that file beside them.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def measure() -> list[Figure]:
         for name, (width, layers) in SIZES.items():
             model = name if not width else _random(Path(folder) / f"{name}.pt", width, layers)
             figures += _of(name, model)
-        if own := os.environ.get("MODEL"):
+        if own := os.environ.get("WEIGHTS"):
             figures += _of(f"{Path(own).stem}, real weights", own)
     return figures
 

@@ -185,7 +185,8 @@ def _profiles(
 ) -> list[Figure]:
     """What happens at each voiceprint's own threshold."""
     config = load_voice_config(speaker__gate="on", speaker__min_enrolled=ENOUGH).speaker
-    counts = {seconds: np.zeros(4, int) for seconds in LENGTHS[:2]}  # own, missed, other, let in
+    of_each = len(speakers), 4  # own, missed, other, let in
+    counts = {seconds: np.zeros(of_each, int) for seconds in LENGTHS[:2]}
     known: dict[int, Voiceprint] = {}
     refused: Counter[str] = Counter()
     for index, speaker in enumerate(speakers):
@@ -202,13 +203,15 @@ def _profiles(
             for point in speaker.points[seconds]:
                 passed = cohort.score(point, rows) >= limits
                 found = own, own & ~passed, rival, rival & passed
-                count += np.array([kind.sum() for kind in found])
+                count[index] += np.array([kind.sum() for kind in found])
     note = f"(of {len(speakers)}; refused: {dict(refused)})"
     figures = [Figure("voiceprints made", len(known), "", note=note)]
-    for seconds, (own, missed, other, let_in) in counts.items():
-        for what, k, n in (("own voice refused", missed, own), ("other let in", let_in, other)):
+    for seconds, count in counts.items():
+        for what, n, k in (("own voice refused", 0, 1), ("other let in", 2, 3)):
+            groups = [(int(one[k]), int(one[n])) for one in count if one[n]]
+            some, trials = (sum(column) for column in zip(*groups, strict=True))
             name = f"at its threshold, {seconds:g} s: {what}"
-            figures.append(share(name, int(k), int(n), at_most=True))
+            figures.append(share(name, some, trials, at_most=True, groups=groups))
     return figures
 
 

@@ -10,8 +10,8 @@ the voice node hangs for ever, or raises an error; then a "stop" must still be s
 
 Where the loss stops nothing by design, a stop is given 0.15 to 0.3 s after it, by topic or service.
 Every loss is kept in bench/results/safety/losses_rows/ with a digest of the code that decides on
-it, so that a second go continues the first. In the environment: LOSSES in all (60), VICTIMS to take
-(all), MINUTES after which none is begun.
+it, so that a second go continues the first. In the environment: LOSSES in all (60; 1000 for the
+record), VICTIMS to take (all), MINUTES after which none is begun.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ from bench.safety.losses.stage import RULES, stage_for
 from support.figures import RESULTS, ROOT, Figure
 from voice_assist.config import load_voice_config
 
+FULL = 1000  # losses
 LOSSES = int(os.environ.get("LOSSES", "60"))
 VICTIMS = tuple(os.environ.get("VICTIMS", " ".join(RULES)).split())
 PATIENCE = 3  # goes in a row from which nothing comes
@@ -61,8 +62,7 @@ def measure() -> list[Figure]:
                     f"no loss of the {victim} in {PATIENCE} goes; see {_log(victim)}"
                 )
     losses = [loss for victim in RULES for loss in _so_far(victim)]
-    planned = each * sum(len(ways_of(victim)) for victim in RULES)
-    return judge.figures(losses, RULES, planned)
+    return judge.figures(losses, RULES, FULL)
 
 
 @cache

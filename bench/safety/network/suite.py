@@ -43,7 +43,8 @@ def measure() -> list[Figure]:
     lacking = missing()
     if lacking:
         print(f"two hosts are not measured: {lacking}")
-        return [Figure("two hosts: trials", 0.0, "", note=f"(skipped: {lacking})")]
+        skipped = Figure("two hosts: trials", 0.0, "", note=f"(skipped: {lacking})")
+        return [measured(0.0, "of each fault", FULL), skipped]
     from voice_assist.ros.voice_node import HEARTBEAT  # takes torch with it
 
     interval = os.environ.get("INTERVAL", str(HEARTBEAT))

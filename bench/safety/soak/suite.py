@@ -24,7 +24,8 @@ from bench.safety.soak.check import SHARE
 from bench.safety.soak.session import Stretch, carried_out
 from support.figures import ROOT, Figure
 
-HOURS = float(os.environ.get("HOURS", "24"))
+FULL = 24.0  # [h]
+HOURS = float(os.environ.get("HOURS", str(FULL)))
 PIECE = 600.0  # [s] of session time
 PACKAGES = ("rst_control", "voice_assist")
 GROWTH = 2.0  # [MiB] in an hour of session time that is borne
@@ -86,7 +87,7 @@ def summary(reports: Sequence[Report]) -> list[Figure]:
         f"{faults} faults; {counts['event: motion_started']} motions)"
     )
     return [
-        resumable.measured(hours, "h", HOURS),
+        resumable.measured(hours, "h", FULL),
         Figure("violations of any invariant", broken.total(), "", 0.0, note=note),
         *(Figure(f"violations: {name}", of(broken, name), "", 0.0) for name in FAMILIES),
         Figure(

@@ -5,13 +5,12 @@ Pieces lie under .cache/bench/chunks/<key>/, where the key is made of the networ
 what the pipeline decides on a fixed set of clips: whatever changes one of them begins anew, and a
 move of code does not. Pieces of the longest measurements lie beside the results, too: a row is a
 piece with its key. Of what was said in it, only what was taken is left, for no more is counted.
-In the environment: MODEL another model than the shipped one; see bench/common/resumable.py.
+What the environment decides, such as another MODEL: see bench/common/resumable.py.
 """
 
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import astuple, dataclass
@@ -28,7 +27,7 @@ from support.product_code import HEARING
 from voice_assist.assembly import limit_torch
 from voice_assist.config import load_voice_config
 
-MODEL = os.environ.get("MODEL", "embedded")
+MODEL = resumable.MODEL
 FOLDER = RESULTS / "voice" / "pieces"
 CODES, RESTORED = "codes.txt", "kept beside the results"  # by which code the pieces were heard
 

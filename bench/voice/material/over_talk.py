@@ -107,8 +107,12 @@ def alarms(scores: Scores, apart: float = 1.0) -> list[float]:
     return found
 
 
+def allowed(hours: float, per_hour: float) -> int:
+    """Most alarms in so long a time that are no more than so many an hour."""
+    return int(per_hour * hours)
+
+
 def threshold_at(heights: Sequence[float], hours: float, per_hour: float) -> float:
     """Lowest threshold [nat] at which no more than so many alarms an hour are raised."""
-    allowed = int(per_hour * hours)
-    higher = sorted(heights, reverse=True)
-    return float(np.nextafter(higher[allowed], np.inf)) if allowed < len(higher) else -np.inf
+    count, higher = allowed(hours, per_hour), sorted(heights, reverse=True)
+    return float(np.nextafter(higher[count], np.inf)) if count < len(higher) else -np.inf

@@ -67,7 +67,8 @@ def of_commands(
     taken = Counter(command for r in records for command in r.heard.taken)
     moved = sum(taken[command] for command in motions())
     which = ", ".join(f"{command}: {taken[command]}" for command in sorted(motions() & set(taken)))
-    again = "" if unique is None else f"{unique:.2f} h of clips, heard again and again"
+    is_again = unique is not None and unique < heard
+    again = f"{unique:.2f} h of clips, heard again and again" if is_again else ""
     which = "; ".join(filter(None, (which, again)))
     counted = (
         ("false motions", moved, motion, which),

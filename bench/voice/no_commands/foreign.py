@@ -21,9 +21,9 @@ from bench.voice.material.foreign_clips import (
 from bench.voice.material.held_out_voices import SyntheticVoice, foreigners, natives, spread
 from bench.voice.material.mixing import PER_CHUNK, StreamedTrial, trials_of
 from bench.voice.material.synthesis import SpokenClip, spoken
-from bench.voice.outcomes import motions, others, right, tally
+from bench.voice.outcomes import motions, others, right, share_of_voices, tally, voice
 from bench.voice.trials import MOTIONS, STOP
-from support.figures import Figure, share
+from support.figures import Figure
 from voice_assist.training.data.voices import ACCENTS, FLITE, RHVOICE, espeak_variants
 
 SEED = 19
@@ -91,11 +91,11 @@ def _commands(name: str, records: Sequence[SceneRecord]) -> list[Figure]:
 
 def _moved(name: str, records: Sequence[SceneRecord], target: float | None = None) -> Figure:
     """Share of some scenes in which a motion was taken."""
-    moved = [r for r in records if not motions().isdisjoint(r.heard.taken)]
+    trials = [(voice(r), not motions().isdisjoint(r.heard.taken)) for r in records]
+    moved = [r for r, (_, is_moved) in zip(records, trials, strict=True) if is_moved]
     without = [r for r in records if not motions().isdisjoint((*r.heard.taken, *_refused(r)))]
     note = f"without the verifier {len(without)}{_said(moved) and ': ' + _said(moved)}"
-    title = f"{name}: taken as motion"
-    return share(title, len(moved), len(records), target, at_most=True, note=note)
+    return share_of_voices(f"{name}: taken as motion", trials, target, at_most=True, note=note)
 
 
 def _refused(record: SceneRecord) -> set[str]:

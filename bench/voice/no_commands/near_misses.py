@@ -19,9 +19,9 @@ from bench.voice.material.confusable_phrases import ALL, NAMED, TRAINED, plan
 from bench.voice.material.held_out_voices import natives, spread
 from bench.voice.material.mixing import StreamedTrial, chunks, trials_of
 from bench.voice.material.synthesis import spoken
-from bench.voice.outcomes import in_percent, motions
-from bench.voice.trials import THIN
-from support.figures import Figure, share
+from bench.voice.outcomes import in_percent, motions, share_of_voices, voice
+from bench.voice.trials import THIN, WHOLE
+from support.figures import Figure
 from voice_assist.training.data.homophones import same_as_command
 
 FULL = 12  # voices per phrase at THIN=1
@@ -32,7 +32,8 @@ PHRASES, OWN = "phrases", "named"
 def measure() -> list[Figure]:
     """Share of them taken as a motion; stops apart, since they are safe."""
     found = measured()
-    done, full = sum(map(len, found.values())), sum(map(len, _trials().values()))
+    done = sum(map(len, found.values()))
+    full = sum(map(len, _trials(min(THIN, WHOLE)).values()))
     resumable.write_details("voice/near_taken.json", done, {k: taken(r) for k, r in found.items()})
     return [
         resumable.measured(done, "trials", full),
@@ -89,7 +90,7 @@ def taken(records: Iterable[SceneRecord]) -> list[dict[str, Any]]:
         {
             **one,
             "said": r.label["text"],
-            "voice": outcomes.voice(r),
+            "voice": voice(r),
             "is_motion": one["taken"] in motions(),
             "same_sounds": is_same(r),
         }
@@ -101,12 +102,12 @@ def taken(records: Iterable[SceneRecord]) -> list[dict[str, Any]]:
 
 def measured() -> dict[str, list[SceneRecord]]:
     """Phrases and the requirement's own list through the pipeline, armed."""
-    plans = {name: chunks(trials) for name, trials in _trials().items()}
+    plans = {name: chunks(trials) for name, trials in _trials(THIN).items()}
     return pieces.measured("near", plans)
 
 
-def _trials() -> dict[str, list[StreamedTrial]]:
-    prompts = plan(HELD_OUT_SEED, max(1, FULL // (2 * THIN)))
+def _trials(thin: int) -> dict[str, list[StreamedTrial]]:
+    prompts = plan(HELD_OUT_SEED, max(1, FULL // (2 * thin)))
     own = spread(NAMED, natives().present, 1, SEED)
     return {PHRASES: trials_of(spoken(prompts)), OWN: trials_of(spoken(own))}
 
@@ -123,6 +124,7 @@ def _share(
     """A figure without a unit where there are no records."""
     if not records:
         return Figure(name, 0.0, "")
-    wrong = [r for r in records if not set(commands).isdisjoint(r.heard.taken)]
+    trials = [(voice(r), not set(commands).isdisjoint(r.heard.taken)) for r in records]
+    wrong = (r for r, (_, is_taken) in zip(records, trials, strict=True) if is_taken)
     said = ", ".join(sorted({f"{r.label['text']!r}" for r in wrong}))
-    return share(name, len(wrong), len(records), in_percent(target), at_most=True, note=said)
+    return share_of_voices(name, trials, in_percent(target), at_most=True, note=said)

@@ -22,6 +22,7 @@ from bench.voice.outcomes import motions
 from bench.voice.trials import STOP
 from support.figures import Figure
 
+WHO: tuple[Who, ...] = ("human", "synthetic")
 FULL = 30.0  # [h]
 HOURS = min(FULL, float(os.environ.get("HOURS", "0.2")))
 
@@ -36,14 +37,13 @@ def measure() -> list[Figure]:
     pieces.keep("unarmed", chosen)
     hours = sum(r.heard.streamed for r in records) / 3600.0
     figures = [resumable.measured(hours, "h", FULL)]
-    figures += of_commands("talk, unarmed", records, 0.0)
+    said = {who: [r for r in records if r.label["who"] == who] for who in WHO}
+    unique = {who: length(deck(who)) for who in WHO if said[who]}  # of clips, again and again
+    figures += of_commands("talk, unarmed", records, 0.0, unique=sum(unique.values()))
     figures.append(_reaching(records))
-    for who in ("human", "synthetic"):
-        some = [r for r in records if r.label["who"] == who]
-        if some:
-            unique = length(deck("human")) if who == "human" else None
-            figures += of_commands(f"{who} talk, unarmed", some, unique=unique)
-            figures += _armed(who, some)
+    for who, clips in unique.items():
+        figures += of_commands(f"{who} talk, unarmed", said[who], unique=clips)
+        figures += _armed(who, said[who])
     compute = sum(r.heard.compute for r in records)
     figures.append(Figure("real-time factor on talk", compute / (3600.0 * hours), ""))
     data = {"fired": [one for r in records for one in fired(r)]}
@@ -87,7 +87,7 @@ def _plan() -> list[TalkChunk]:
     has_people = bool(deck("human"))
     if not has_people:
         print("no human speech in ../shared/speech: synthetic talk alone")
-    who: tuple[Who, ...] = ("human", "synthetic") if has_people else ("synthetic",)
+    who = WHO if has_people else WHO[1:]
     return [TalkChunk(who[i % len(who)], i // len(who)) for i in range(count)]
 
 

@@ -2,6 +2,9 @@
 """Pieces and results on file: what is made again, and which result stays."""
 
 import json
+import os
+import subprocess
+import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -120,6 +123,23 @@ def test_a_whole_result_after_a_part_goes_to_its_place_again(on_file):
     resumable.kept("voice/x", lambda: [resumable.measured(1.0, "h", 100.0)])()
     resumable.kept("voice/y", lambda: [Figure("other", 1.0, "")])()
     assert on_file / "results" == figures.RESULTS
+
+
+def test_a_part_that_measured_nothing_takes_no_results_place(on_file):
+    for name in ("voice/x", "voice/never measured"):
+        resumable.kept(name, list)()
+        assert on_file / "aside" == figures.RESULTS
+
+
+def test_results_of_another_model_are_written_aside():
+    words = "from bench.common.resumable import ASIDE, PLACE; print(PLACE == ASIDE)"
+    for more, said in (({"MODEL": "x.pt"}, "True"), ({"MODEL": "embedded"}, "False")):
+        environment = {k: v for k, v in os.environ.items() if k != "RESULTS"} | more
+        command = [sys.executable, "-c", words]
+        found = subprocess.run(
+            command, cwd=figures.ROOT, env=environment, capture_output=True, text=True, check=True
+        )
+        assert found.stdout.strip() == said
 
 
 def test_force_writes_whatever_is_on_file(on_file, monkeypatch):

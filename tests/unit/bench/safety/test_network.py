@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bench.common.part import MEASURED
 from bench.safety.network import hosts, suite
 from bench.safety.network.judge import NetworkTrial, figures, judge, rest
 from bench.safety.network.relay import LinkConditions, RelayDirection, RelayLink, from_line, to_line
@@ -188,6 +189,7 @@ def test_what_is_missing_is_said_and_nothing_is_measured(monkeypatch, capsys, la
         monkeypatch.setattr(hosts.shutil, "which", lambda _: "ip")
         monkeypatch.setattr(hosts.os, "geteuid", lambda: 1000)
     monkeypatch.setattr(suite, "Hosts", None)  # making them would raise
-    found = suite.measure()
-    assert lacking in found[0].note and found[0].is_met is None
+    rests, skipped = suite.measure()
+    assert lacking in skipped.note and skipped.is_met is None
+    assert (rests.name, rests.value, rests.target) == (MEASURED, 0.0, suite.FULL)
     assert "not measured" in capsys.readouterr().out

@@ -180,7 +180,9 @@ def test_a_short_stretch_breaks_nothing_and_is_the_same_again():
     json.dumps(first)
 
 
-def test_the_summary_counts_every_violation_and_the_growth_of_later_pieces():
+def test_the_summary_counts_every_violation_and_the_growth_of_later_pieces(monkeypatch):
+    monkeypatch.setattr(suite, "HOURS", 1.0)
+
     def report(later, after, violations):
         extremes = dict.fromkeys(("planned_rcm", "speed", "acceleration", "stop"), 0.5)
         extremes |= {"rcm": 2e-4, "tension": 1.0}
@@ -192,6 +194,7 @@ def test_the_summary_counts_every_violation_and_the_growth_of_later_pieces():
 
     reports = [report(False, 180.0, {}), report(True, 101.0, {"RCM: true shaft": 2, "x": 1})]
     found = {figure.name: figure for figure in suite.summary(reports)}
+    assert (found["measured"].value, found["measured"].target) == (1.0, 24.0)
     assert found["violations of any invariant"].value == 3
     assert found["violations: RCM"].value == 2 and found["violations: others"].value == 1
     assert found["memory growth, mean"].value == pytest.approx(2.0)

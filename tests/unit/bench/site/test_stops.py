@@ -66,17 +66,19 @@ def test_a_course_that_is_refused_counts_and_the_way_back_is_tried(one_trial, mo
     assert figures["bridge lost: bridge takes no course next"].value == 1
 
 
-def test_a_part_of_the_work_rests_on_the_kind_with_the_fewest_trials(monkeypatch, tmp_path):
+@pytest.mark.parametrize("trials", [200, 100])
+def test_a_part_of_the_work_rests_on_the_kind_with_the_fewest_trials(monkeypatch, tmp_path, trials):
     def carried_out(part, jobs, one, processes):
         for job, path in list(jobs)[:-1]:  # time is up before the last
             resumable.write(tmp_path / path.name, one(job))
             yield tmp_path / path.name
 
     trial = stops.Stopped(0.02, 1e-5, 5e-3, "")
+    monkeypatch.setattr(stops, "TRIALS", trials)
     monkeypatch.setattr(stops, "_trials", lambda name, share: [trial] * stops.PIECE)
     monkeypatch.setattr(resumable, "pool", lambda *_: nullcontext())
     monkeypatch.setattr(resumable, "carried_out", carried_out)
     first, *figures = stops.measure()
-    assert (first.name, first.value, first.target) == (MEASURED, 150, 200)
+    assert (first.name, first.value, first.target) == (MEASURED, trials - 50, 200)
     assert len(figures) == 5 * len(stops.KINDS)
-    assert "(200 trials" in figures[0].note and "(150 trials" in figures[-5].note
+    assert f"({trials} trials" in figures[0].note and f"({trials - 50} trials" in figures[-5].note

@@ -16,10 +16,12 @@ from bench.voice.outcomes import (
     motions,
     others,
     right,
+    share_of_voices,
     tally,
     verdict,
+    voice,
 )
-from session_log.report.bounds import at_least
+from session_log.report.bounds import at_least, at_most
 from voice_assist.evaluation.exact_bounds import rate_at_most
 
 MOTIONS = ("tense", "release", "pull more", "pull less")
@@ -100,6 +102,16 @@ def test_a_bound_counts_voices_where_few_voices_have_all_misses():
     assert right("stop", tally(records[:900])).lower == pytest.approx(100.0 * at_least(900, 900))
 
 
+def test_few_voices_that_are_taken_wrongly_widen_the_bound_of_the_opposite_and_of_any_share():
+    records = [record("tense", said("tense"), engine=f"engine {i}") for i in range(9)] * 100
+    records += [record("tense", said("release"), engine="the tenth")] * 100
+    alone = 100.0 * at_most(100, 1000)
+    trials = [(voice(r), "release" in r.heard.taken) for r in records]
+    found = [*others("x", tally(records)), share_of_voices("x", trials, 0.0, at_most=True)]
+    assert [(f.value, f.note) for f in found] == [(10.0, "100 of 1000")] * 3
+    assert alone < 20.0 < min(f.upper for f in found)
+
+
 def test_groups_keep_engines_apart():
     records = [record("stop", said("stop"), engine="pico"), record("stop", engine="mbrola")]
     found = by(records, engine)
@@ -142,6 +154,15 @@ def test_false_commands_are_counted_by_hours_of_sound_with_exact_bounds():
     assert found["talk: false stops"].is_met
     bound = found["talk: false stops"].upper
     assert poisson.cdf(1, bound * 2.0) == pytest.approx(0.05)
+
+
+def test_clips_that_were_heard_again_and_again_bound_a_rate_by_their_length():
+    records = [record("", said("stop"), seconds=3600.0)] * 4
+    often = {f.name: f for f in armed.of_commands("talk", records, unique=1.0)}["talk: false stops"]
+    assert often.value == 1.0 and often.upper == pytest.approx(rate_at_most(1, 1.0))
+    assert "1.00 h of clips, heard again and again" in often.note
+    once = armed.of_commands("talk", records, unique=5.0)
+    assert not any("again" in figure.note for figure in once)
 
 
 def test_a_false_motion_misses_its_target_and_is_listed_with_who_said_what():
@@ -225,3 +246,15 @@ def test_phrases_taken_are_listed_motions_first_with_voice_and_confidence():
     assert (first["said"], first["taken"], first["confidence"]) == ("tents", "tense", 0.62)
     assert first["voice"] == "espeak:en-gb-x-gbcwmd+f2"
     assert (first["is_motion"], second["is_motion"]) == (True, False)
+
+
+def test_the_whole_of_near_misses_does_not_shrink_with_a_thinner_run(monkeypatch):
+    monkeypatch.setattr(near_misses, "spoken", list)
+    monkeypatch.setattr(near_misses, "spread", lambda *_: [])
+    monkeypatch.setattr(near_misses, "measured", lambda: {"phrases": [], "named": []})
+    monkeypatch.setattr(near_misses.resumable, "write_details", lambda *_: None)
+    wholes = []
+    for thin in (1, 3, 6):
+        monkeypatch.setattr(near_misses, "THIN", thin)
+        wholes.append(near_misses.measure()[0].target)
+    assert wholes[0] == 3 * wholes[1] and wholes[1] == wholes[2] > 0

@@ -3,7 +3,14 @@ import numpy as np
 import pytest
 import torch
 
-from bench.voice.material.over_talk import BEFORE, alarms, over_talk, scores_of, threshold_at
+from bench.voice.material.over_talk import (
+    BEFORE,
+    alarms,
+    allowed,
+    over_talk,
+    scores_of,
+    threshold_at,
+)
 from voice_assist.spotter.overlap import STEP, WINDOW
 from voice_assist.types import RATE
 
@@ -55,3 +62,7 @@ def test_alarms_are_a_second_apart_and_the_threshold_lets_as_many_through_as_all
     assert heights[:3] == [4.0, 3.0, 1.0]
     threshold = threshold_at(heights, hours=2.0, per_hour=1.0)
     assert sum(height >= threshold for height in heights) == 2
+
+
+def test_talk_that_is_too_short_for_a_rate_allows_no_alarm():
+    assert [allowed(0.645, rate) for rate in (0.5, 1.0, 3.0, 6.0, 12.0)] == [0, 0, 1, 3, 7]
