@@ -115,6 +115,34 @@ def test_a_disk_that_fails_while_it_is_read_names_the_recording(tmp_path, monkey
         export_topics(reader, tmp_path / "out", [], "/a")
 
 
+@pytest.mark.parametrize("error", [KeyboardInterrupt, SessionMissing])
+def test_an_export_that_is_broken_off_leaves_the_tables_of_the_one_before(
+    tmp_path, monkeypatch, error
+):
+    story = Story()
+    story.say(0.0, "/t", "std_msgs/String", data="whole")
+    export_topics(recording_of(tmp_path / "a.mcap", story.messages), tmp_path / "o", ["/t"], "/a")
+    reader = recording_of(tmp_path / "b.mcap", story.messages)
+
+    def broken_off(topics):
+        yield story.messages[0]._replace(data=b"\3\0\0\0new")
+        raise error(tmp_path, "unreadable")
+
+    monkeypatch.setattr(reader, "messages", broken_off)
+    with pytest.raises(error):
+        export_topics(reader, tmp_path / "o", ["/t"], "/a", ("csv", "parquet"))
+    (left,) = (tmp_path / "o").iterdir()
+    assert left.name == "t.csv" and "whole" in left.read_text("utf-8")
+
+
+def test_a_topic_that_is_named_twice_has_one_file_of_its_plain_name(tmp_path):
+    story = Story()
+    story.say(0.0, "/t", "std_msgs/String", data="x")
+    reader = recording_of(tmp_path / "s.mcap", story.messages)
+    result = export_topics(reader, tmp_path / "o", ["/t", "/t"], "/a")
+    assert [path.name for path in result.rows] == ["t.csv"]
+
+
 def flat(definition, layout, *values):
     """The fields of a message of one definition, for a table."""
     source = MessageSource("/t", "test_msgs/T", "", definition)

@@ -37,6 +37,16 @@ def test_length_and_rates_cover_what_was_recorded_though_the_clock_was_set_back(
     assert result.topics["/late"].rate == pytest.approx(10.0, rel=0.03)
 
 
+@pytest.mark.parametrize(("forward", "is_named"), [(3, False), (6, True), (3600, True)])
+def test_a_silence_of_seconds_is_named_as_a_clock_that_was_set_forward_or_none(
+    tmp_path, forward, is_named
+):
+    result = read_summary(recording_of(tmp_path / "s.mcap", messages({50: -forward})))
+    words = f"the clock was set forward by {forward + 0.1:.1f} s at 2026-"
+    assert [str(step).startswith(words) for step in result.clock_steps] == [True] * is_named
+    assert all(str(s).endswith(", or nothing was recorded meanwhile") for s in result.clock_steps)
+
+
 def test_what_is_missing_is_said_though_the_header_is_lost(tmp_path):
     source = MessageSource("/t", "a/B", "99", "int8 x")
     path = recording_of(tmp_path / "s.mcap", [Message(source, b"x", NOW, k) for k in (1, 4)]).path

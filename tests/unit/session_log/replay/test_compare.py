@@ -63,6 +63,7 @@ def test_two_that_change_places_are_one_difference_of_order():
         ({"mode": "standby"}, "mode"),
         ({"decided_by": "spotter"}, "decided_by"),
         ({"is_partial": True}, "is_partial"),
+        ({"speech_start": 3.3}, "start of speech"),
         ({"speech_end": 4.3}, "end of speech"),
     ],
 )
@@ -89,6 +90,7 @@ def test_several_fields_of_one_utterance_are_one_difference():
     [
         {"confidence": 0.9 + 0.9e-3},
         {"wer": {"tense": 1e-8, "stop": 1.0}},
+        {"speech_start": 0.509},
         {"speech_end": 1.009},
         {"decision": 1.9},  # that depends on the machine
     ],

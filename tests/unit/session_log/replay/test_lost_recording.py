@@ -72,6 +72,21 @@ def test_a_recording_that_begins_late_says_so_and_takes_the_mode(tmp_path, repla
     assert MADE[0].modes == [(None, "active", "hey robot")]
 
 
+def test_what_a_second_run_lost_before_its_first_sound_excuses_nothing_of_the_first(
+    tmp_path, replayed
+):
+    story = Story()
+    play(story, 0.0, 10.0)
+    say(story, 3.0)
+    play(story, 0.1, 5.0, start=12.0)
+    say(story, 14.0)
+    PLANS.extend([{}, {}])
+    code, out, _, result = replayed(write(tmp_path / "session.mcap", story))
+    assert code == 1 and "lost: 0.10 s of sound before the first 1536" in out
+    first, second = result["sessions"][0]["differences"]
+    assert first["excuse"] == "" and second["excuse"].endswith("is lost")
+
+
 def middle(path):
     """Place inside the middle chunk of a recording [B]."""
     with path.open("rb") as file:

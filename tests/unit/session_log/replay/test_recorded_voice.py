@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Each run of the voice node has the settings that it ran with."""
+"""Each run of the voice node has the settings that it ran with, and the notes that it made."""
+
+import json
 
 import pytest
 import yaml
@@ -10,7 +12,7 @@ from session_log.mcap_file.writer import SessionWriter
 from session_log.replay.command import REPLAY_CONFIG
 from session_log.replay.config import ReplayConfig
 from session_log.replay.recorded_voice import read_voice
-from support.story import Story
+from support.story import Story, numbered, recording_of
 from typed_config import load_file
 
 AUDIO = ("/voice_assist/audio", "voice_assist/AudioChunk")
@@ -64,3 +66,29 @@ def test_the_last_run_has_what_was_recorded_last(models_of):
 
 def test_a_run_that_ended_before_anything_was_recorded_has_no_settings(models_of):
     assert models_of(0, "b", 0) == [None, "b"]
+
+
+@pytest.mark.parametrize(
+    ("firsts", "notes", "counts"),
+    [
+        ((0, 10_000, 0), {1: [9_000, 10_000]}, (2, 0)),
+        ((0, 10_000, 0), {1: [0, 0]}, (0, 2)),
+        ((0, 10_000, 1_600), {1: [10_400, 9_800, 0, 500, 1_600]}, (2, 3)),
+        ((0, 10_000, 0), {1: [10_512, None, 0, None]}, (2, 2)),
+        ((10_000, 0), {0: [9_000, 10_512, 0, 512]}, (2, 2)),
+        ((5_000, 0), {-1: [4_000], 1: [512, 1_024]}, (1, 2)),
+        ((0, 10_000), {1: [9_000, 0, 512]}, (1,)),  # of a run without any sound
+    ],
+)
+def test_notes_before_the_first_sound_of_a_run_are_its_own(tmp_path, firsts, notes, counts):
+    story = Story()
+    for k in range(-1, len(firsts)):
+        if k >= 0:
+            fields = {"rate": 16_000, "first_sample": firsts[k], "samples": [1] * BLOCK}
+            story.say(1.0 + k, *AUDIO, **fields)
+        for sample in notes.get(k, ()):
+            text = "no sample" if sample is None else json.dumps({"sample": sample})
+            story.say(1.5 + k, "/voice_assist/circumstances", "std_msgs/String", data=text)
+    reader = recording_of(tmp_path / "session.mcap", numbered(story.messages))
+    runs = read_voice(reader, load_file(ReplayConfig, REPLAY_CONFIG)).runs
+    assert tuple(len(run.notes) for run in runs) == counts

@@ -84,6 +84,14 @@ def test_a_recording_without_sound_is_an_error(tmp_path, replayed):
     assert list(result["failed"]) == [str(path)]
 
 
+def test_sound_without_a_field_is_named_where_there_is_none_to_hear(tmp_path, replayed):
+    story = Story()
+    story.say(0.0, "/voice_assist/audio", "std_msgs/String", data="x")
+    _, _, err, _ = replayed(write(tmp_path / "session.mcap", story))
+    words = "/voice_assist/audio: std_msgs/String was recorded without 'first_sample'"
+    assert f"holds no sound on /voice_assist/audio; {words}\n" in err
+
+
 def test_a_missing_recording_and_an_empty_folder_are_errors(tmp_path, refusal):
     (tmp_path / "empty").mkdir()
     assert "no such file" in refusal(tmp_path / "none.mcap")

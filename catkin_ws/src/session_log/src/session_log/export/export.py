@@ -9,11 +9,12 @@ import math
 from array import array
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from itertools import count
 from operator import index
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, Literal, Protocol
 
 from session_log.errors import OutputFailed, SessionLogError
@@ -65,9 +66,10 @@ def export_topics(
 ) -> Export:
     """Write one table per topic, named after it, and the sound of the audio topic as audio.wav.
 
-    Messages are written as they are read: memory does not grow with the recording. Where a topic
-    changes its type, what follows goes to a file of its own, numbered. So does a topic whose file
-    would have the name of another's: /a_b beside /a/b.
+    Messages are written as they are read: memory does not grow with the recording. Files come into
+    the folder when all of them are whole: of an export that is broken off nothing is left. Where a
+    topic changes its type, what follows goes to a file of its own, numbered. So does a topic whose
+    file would have the name of another's: /a_b beside /a/b.
 
     Args:
         reader: The recording, sound or not.
@@ -85,10 +87,19 @@ def export_topics(
         raise ParquetMissing
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with ExitStack() as stack:
-            return _Exporter(folder, stack, topics, audio, formats).run(reader)
+        with TemporaryDirectory(".part", "export_", folder) as parts:
+            with ExitStack() as stack:
+                result = _Exporter(Path(parts), stack, topics, audio, formats).run(reader)
+            return _named(result, folder)
     except OSError as error:
         raise OutputFailed(folder, error) from error
+
+
+def _named(export: Export, folder: Path) -> Export:
+    """Move the files, which are whole now, into their folder."""
+    rows = {path.replace(folder / path.name): count for path, count in export.rows.items()}
+    sound = export.sound and export.sound.replace(folder / export.sound.name)
+    return replace(export, rows=rows, sound=sound)
 
 
 class _Table(Protocol):
@@ -196,7 +207,7 @@ def file_stems(topics: Collection[str]) -> dict[str, str]:
     """
     plain = {file_stem(topic) for topic in topics}
     found: dict[str, str] = {}
-    for topic in sorted(topics):
+    for topic in sorted(set(topics)):
         stem, used = file_stem(topic), set(found.values())
         found[topic] = _free(stem, used | plain) if stem in used else stem
     return found

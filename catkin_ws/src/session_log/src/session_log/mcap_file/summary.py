@@ -11,20 +11,24 @@ from session_log.mcap_file.reader import FileCondition, SessionReader
 from session_log.types import Message, MessageSource, TopicCount
 
 ACCOUNT = "recovered"  # metadata of a copy: what it was made from
-CLOCK_STEP = 100_000_000  # [ns] less is no clock that was set
+CLOCK_STEP = 100_000_000  # [ns] back; less is no clock that was set
+LONGEST_SILENCE = 5_000_000_000  # [ns] a session is never so quiet: its state comes at 50 Hz
 
 
 @dataclass(frozen=True)
 class ClockStep:
-    """The recorder's clock was set back during the recording."""
+    """The recorder's clock was set during the recording; forward looks like a silence."""
 
     before: int  # [ns] log time of the last message before it
     after: int  # [ns] of the next one
 
     def __str__(self) -> str:
         time = datetime.fromtimestamp(self.before * 1e-9).astimezone()
-        seconds = (self.before - self.after) * 1e-9
-        return f"the clock was set back by {seconds:.1f} s at {time:%Y-%m-%d %H:%M:%S %Z}"
+        seconds = (self.after - self.before) * 1e-9
+        where = f"{abs(seconds):.1f} s at {time:%Y-%m-%d %H:%M:%S %Z}"
+        if seconds < 0.0:
+            return f"the clock was set back by {where}"
+        return f"the clock was set forward by {where}, or nothing was recorded meanwhile"
 
 
 @dataclass
@@ -113,10 +117,11 @@ class MessageCounter:
     def add(self, message: Message) -> None:
         """Count one message."""
         source, data, log_time, sequence, _ = message
-        if log_time < self._now - CLOCK_STEP and self._reader.condition.is_numbered:
-            self.clock_steps.append(ClockStep(self._now, log_time))
-            self._set_back += self._now - log_time
-        self._now = log_time
+        before, self._now = self._now, log_time
+        is_odd = before and not -CLOCK_STEP <= log_time - before <= LONGEST_SILENCE
+        if is_odd and self._reader.condition.is_numbered:
+            self.clock_steps.append(ClockStep(before, log_time))
+            self._set_back += max(before - log_time, 0)
         log_time += self._set_back
         known = self._sources.get(source) or self._new(source, log_time)
         if sequence > known.sequence + 1:

@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What was decided then and what is decided now, one by one."""
+"""What was decided then and what is decided now, one by one.
+
+Compared are transcript, command, reason, WER, confidence, nearest command, mode, who decided,
+whether that was before the end, and start and end of speech. Not compared is when it was decided:
+that depends on the machine.
+"""
 
 from __future__ import annotations
 
@@ -72,6 +77,8 @@ def _fields(then: Decided, now: Decided, config: ReplayConfig) -> Iterator[str]:
     for name in ("nearest_command", "mode", "decided_by", "is_partial"):
         if getattr(then, name) != getattr(now, name):
             yield name
+    if not _is_close(then.speech_start, now.speech_start, config.time_tolerance):
+        yield "start of speech"
     if not _is_close(then.speech_end, now.speech_end, config.time_tolerance):
         yield "end of speech"
 

@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -73,6 +75,12 @@ class RecordedVoice:
     undecodable: int = 0
     missing_fields: set[str] = field(default_factory=set)  # what was recorded without which field
 
+    @property
+    def unfit(self) -> list[str]:
+        """What of it could not be read, in words."""
+        words = f"{self.undecodable} messages that do not fit their definition"
+        return [*([words] if self.undecodable else []), *sorted(self.missing_fields)]
+
     def mode_at(self, time: float) -> ModeChange | None:
         """The recorded mode at a time of the clock [s]."""
         before = [change for change in self.modes if change.time <= time]
@@ -107,7 +115,8 @@ class _VoiceReader:
         self._missing = SequenceWatch(reader)
         self._stream = StreamWatch()
         self._voice = RecordedVoice()
-        self._early_notes: list[str] = []  # of a run whose first sound has not come yet
+        self._held_notes: list[str] = []  # the next sound shows which run they are of
+        self._next_sample = 0  # after the newest sound
         self._parameters: Mapping[str, str] = {}  # as of the newest sound
         self._facts: Mapping[str, str] = {}  # as of the newest sound
         self._takers = {
@@ -136,11 +145,13 @@ class _VoiceReader:
         return voice
 
     def _audio(self, content: Any, missing: int) -> None:
-        is_new, _lost = self._stream(content.first_sample, len(content.samples))
+        first, length = content.first_sample, len(content.samples)
+        is_new, _lost = self._stream(first, length)
         if is_new:
-            self._end_run()
-            self._voice.runs.append(VoiceRun(notes=self._early_notes))
-            self._early_notes = []
+            self._end_run(first)
+            self._voice.runs.append(VoiceRun())
+        self._voice.runs[-1].notes += self._held_notes
+        self._held_notes, self._next_sample = [], first + length
         self._note_condition()
 
     def _utterance(self, m: Any, missing: int) -> None:
@@ -168,8 +179,7 @@ class _VoiceReader:
     def _note(self, m: Any, missing: int) -> None:
         self._voice.has_notes = True
         self._voice.lost_notes += missing
-        runs = self._voice.runs
-        (runs[-1].notes if runs else self._early_notes).append(m.data)
+        self._held_notes.append(m.data)
 
     def _note_condition(self) -> None:
         """Keep what is known now: before its first sound, the next run records its own."""
@@ -177,11 +187,39 @@ class _VoiceReader:
         self._parameters = condition.latest(PARAMETERS)
         self._facts = condition.latest(self._config.facts)
 
-    def _end_run(self) -> None:
+    def _end_run(self, first_sample: int = 0) -> None:
+        """Complete the newest run; the next one is heard from this sample on."""
         if self._voice.runs:
-            run = self._voice.runs[-1]
+            run, held = self._voice.runs[-1], self._held_notes
             run.settings = _settings(self._parameters, self._config.settings)
             run.facts = self._facts
+            count = _before_fall(held, self._next_sample, first_sample)
+            run.notes += held[:count]
+            del held[:count]
+
+
+def _before_fall(notes: Sequence[str], last: int, first: int) -> int:
+    """How many notes are of the run that ended: sample indices fall deepest where the next begins.
+
+    Args:
+        notes: As they came between the sound of two runs.
+        last: Sample at which the sound of the first of them ended.
+        first: Sample at which that of the second begins.
+    """
+    samples = [last]
+    for note in notes:
+        samples.append(_sample_of(note, samples[-1]))
+    falls = [before - after for before, after in pairwise([*samples, first])]
+    return falls.index(max(falls))
+
+
+def _sample_of(note: str, otherwise: int) -> int:
+    """The sample that a note names, if it does."""
+    try:
+        sample = json.loads(note)["sample"]
+    except (ValueError, TypeError, KeyError):
+        return otherwise
+    return sample if isinstance(sample, int) else otherwise
 
 
 def sound_of(content: Any) -> RecordedSound:

@@ -26,10 +26,10 @@ from session_log.replay.recorded_voice import (
 
 
 class NoSound(SessionLogError):
-    """A recording has nothing to hear."""
+    """A recording has nothing to hear; `unfit` names messages that could not be read."""
 
-    def __init__(self, path: Path, topic: str) -> None:
-        super().__init__(f"{path}: holds no sound on {topic}")
+    def __init__(self, path: Path, topic: str, unfit: Sequence[str] = ()) -> None:
+        super().__init__("; ".join([f"{path}: holds no sound on {topic}", *unfit]))
         self.path, self.topic = path, topic
 
 
@@ -45,7 +45,7 @@ class ReplayFailed(SessionLogError):
 class SoundLoss:
     """A stretch of which the recording lacks the sound; what was decided about it is not known."""
 
-    start: float  # [s] of the clock; -inf: since the voice node started
+    start: float  # [s] of the clock, end of the last sound in front of it; -inf: there is none
     end: float  # [s] of the clock, first sound behind it
     what: str
 
@@ -95,7 +95,7 @@ def replay(
     """
     voice = read_voice(reader, config)
     if not voice.runs:
-        raise NoSound(reader.path, config.topics.audio)
+        raise NoSound(reader.path, config.topics.audio, voice.unfit)
     return _Replayer(reader, config, make, model, voice).run()
 
 
@@ -172,8 +172,7 @@ class _Replayer:
             return
         where = "before the first" if is_new else "in front of sample"
         words = f"{lost / RATE:.2f} s of sound {where} {sound.first_sample}"
-        start = float("-inf") if is_new else self._end
-        self._losses.append(SoundLoss(start, sound.stamp, words))
+        self._losses.append(SoundLoss(self._end, sound.stamp, words))
         if change := self._voice.mode_at(sound.stamp):
             pipeline.set_mode(change.mode, change.reason)
 
@@ -192,11 +191,10 @@ class _Replayer:
         for count, what in (
             (lost, "utterances that were recorded"),
             (voice.lost_notes, "notes of what hearing depended on"),
-            (voice.undecodable, "messages that do not fit their definition"),
         ):
             if count:
                 words.append(f"{count} {what}")
-        return [*words, *sorted(voice.missing_fields)]
+        return [*words, *voice.unfit]
 
     def _excuse(
         self, found: Sequence[Difference], recorded: Sequence[RecordedDecision]

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import logging
+import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -10,18 +12,27 @@ from hashlib import sha256
 from pathlib import Path
 
 from session_log.config import ReportConfig
-from session_log.errors import OutputFailed, SessionLogError
+from session_log.errors import SessionLogError
 from session_log.mcap_file.session_folder import recordings, report_folder, session_name
 from session_log.report.figures import POOL_FIGURES
 from session_log.report.figures.drawing import draw
 from session_log.report.folder_page import folder_page
-from session_log.report.one_session import PAGE_NAME, Report, reduce_session
-from session_log.report.pool.parallel import run_parallel
+from session_log.report.one_session import (
+    PAGE_NAME,
+    Report,
+    not_written,
+    reduce_session,
+    require_writable,
+    write_page,
+)
+from session_log.report.pool.parallel import Unfinished, run_parallel
 from session_log.report.pool.pool import Pool, UnreadSession
 from session_log.report.session.summary import SessionSummary
 from session_log.report.tables.latex import write_latex
 
 PAGES_FOLDER = "sessions"  # below the output, where that is not beside the recordings
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -79,24 +90,30 @@ def write_folder_report(
         SessionMissing: Something named is not there, or holds no recording.
         NothingReadable: There are recordings, but none can be read.
         EngineMissing, EngineUnreachable: See `run_parallel`.
-        OutputFailed: The output cannot be written.
+        OutputFailed: The output cannot be written; that is tried before a session is read.
     """
     tasks = list(_tasks(recordings(inputs), out, beside=beside))
+    require_writable(out)
     pool = Pool(config)
     work = partial(_reduce, config=config, with_page=with_pages)
-    for task, found in run_parallel(work, tasks, min(jobs, len(tasks)), cluster):
-        if isinstance(found, SessionSummary):
-            page = task.folder / PAGE_NAME
-            pool.add(task.path, page if with_pages or page.exists() else None, found)
+    for done in run_parallel(work, tasks, min(jobs, len(tasks)), cluster):
+        if isinstance(done, Unfinished):
+            pool.unread.append(UnreadSession(done.item.path, done.reason))
+        elif isinstance(done, UnreadSession):
+            pool.unread.append(done)
         else:
-            pool.unread.append(found)
+            task, summary, trouble = done
+            if trouble:
+                log.warning("%s: read and counted, but %s", task.path, trouble)
+            page = task.folder / PAGE_NAME
+            is_there = (with_pages and not trouble) or page.exists()
+            pool.add(task.path, page if is_there else None, summary)
     if not pool.members:
         raise NothingReadable(pool.unread)
     try:
-        out.mkdir(parents=True, exist_ok=True)
         return _write(pool, out, latex)
     except OSError as error:
-        raise OutputFailed(out, error) from error
+        raise not_written(out, error) from error
 
 
 def _tasks(paths: Iterable[Path], out: Path, *, beside: bool) -> Iterator[Task]:
@@ -109,24 +126,24 @@ def _tasks(paths: Iterable[Path], out: Path, *, beside: bool) -> Iterator[Task]:
 def _page_name(path: Path) -> str:
     """A name for the folder of a session's page that no other recording has."""
     full = path.resolve()
-    return f"{session_name(full)}_{sha256(str(full).encode()).hexdigest()[:8]}"
+    return f"{session_name(full)}_{sha256(os.fsencode(full)).hexdigest()[:8]}"
 
 
 def _reduce(
     task: Task, config: ReportConfig, with_page: bool
-) -> tuple[Task, SessionSummary | UnreadSession]:
+) -> tuple[Task, SessionSummary, str] | UnreadSession:
     """Reduce one session; whatever is wrong with it must not end the report over the others."""
     try:
-        return task, reduce_session(task.path, task.folder, config, with_page=with_page)
+        return task, *reduce_session(task.path, task.folder, config, with_page=with_page)
     except SessionLogError as error:
-        return task, UnreadSession(task.path, str(error))
+        return UnreadSession(task.path, str(error))
     except Exception as error:  # top of a worker
-        return task, UnreadSession(task.path, f"{type(error).__name__}: {error}")
+        return UnreadSession(task.path, f"{type(error).__name__}: {error}")
 
 
 def _write(pool: Pool, out: Path, latex: bool) -> FolderReport:
     images, written = draw(POOL_FIGURES, pool, out, pool.config)
     target = out / PAGE_NAME
-    target.write_text(folder_page(pool, images, out), encoding="utf-8")
+    write_page(target, folder_page(pool, images, out))
     tex = write_latex(pool, out) if latex else []
     return FolderReport(target, written, tex, len(pool.members), tuple(pool.unread))

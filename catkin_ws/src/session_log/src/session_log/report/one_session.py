@@ -21,6 +21,7 @@ from session_log.report.session.shaft import rcm_from_joints
 from session_log.report.session.summary import SessionSummary, summarise
 from session_log.report.session_page import session_page
 from session_log.report.tables.latex import write_latex
+from typed_config import check_writable
 
 PAGE_NAME = "report.html"
 
@@ -57,20 +58,40 @@ def write_report(
         latex: Also write the tables as .tex files.
 
     Raises:
-        OutputFailed: The folder cannot be written.
+        OutputFailed: The folder cannot be written; that is tried before the session is read.
     """
+    require_writable(folder)
     session = _read(reader, config)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         return _write(session, folder, config, latex)
     except OSError as error:
-        raise OutputFailed(folder, error) from error
+        raise not_written(folder, error) from error
+
+
+def require_writable(folder: Path) -> None:
+    """Find out before long work whether a folder takes a page; makes it if it is not there.
+
+    Raises:
+        OutputFailed: It does not.
+    """
+    try:
+        check_writable(folder / PAGE_NAME)
+    except OSError as error:
+        raise not_written(folder, error) from error
+
+
+def not_written(folder: Path, cause: OSError) -> OutputFailed:
+    """The error of a folder that cannot be written, with the way out."""
+    words = f"{cause.strerror or type(cause).__name__}; --out DIR writes elsewhere"
+    return OutputFailed(folder, OSError(cause.errno, words))
 
 
 def reduce_session(
     path: Path, folder: Path, config: ReportConfig, *, with_page: bool
-) -> SessionSummary:
+) -> tuple[SessionSummary, str]:
     """Return the summary of a session: from its cache if that is still true, else by reading it.
+
+    With it comes why it or the page could not be kept; empty: both are.
 
     Args:
         path: The recording.
@@ -79,21 +100,21 @@ def reduce_session(
         with_page: Also write the session's own page, unless it is there and still true.
 
     Raises:
-        SessionLogError: The recording cannot be read, or the folder cannot be written.
+        SessionLogError: The recording cannot be read.
     """
+    key = cache.key_of(path, config, read_notes(path))
+    known = cache.load(folder, key)
+    if known is not None and (not with_page or cache.is_page_of(folder / PAGE_NAME, key)):
+        return known, ""
+    session = _read(SessionReader(path), config)
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        key = cache.key_of(path, config, read_notes(path))
-        known = cache.load(folder, key)
-        if known is not None and (not with_page or cache.is_page_of(folder / PAGE_NAME, key)):
-            return known
-        session = _read(SessionReader(path), config)
         if with_page:
             _write(session, folder, config, latex=False)
         cache.store(folder, key, session.summary)
     except OSError as error:
-        raise OutputFailed(folder, error) from error
-    return session.summary
+        return session.summary, str(not_written(folder, error))
+    return session.summary, ""
 
 
 def _read(reader: SessionReader, config: ReportConfig) -> _Session:
@@ -115,6 +136,15 @@ def _write(session: _Session, folder: Path, config: ReportConfig, latex: bool) -
     text = session_page(
         session.material, session.summary, session.pool, images | pooled, session.notes
     )
-    target.write_text(cache.marked(text, session.key), encoding="utf-8")
+    write_page(target, cache.marked(text, session.key))
     tex = write_latex(session.pool, folder) if latex else []
     return Report(target, written + more, tex)
+
+
+def write_page(target: Path, text: str) -> None:
+    """Write a page; bytes of a file's name that are no UTF-8 stand in it as numbers.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    target.write_text(text, encoding="utf-8", errors="backslashreplace")

@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from itertools import islice
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 from session_log.errors import SessionLogError
 
@@ -34,12 +35,21 @@ class EngineUnreachable(SessionLogError):
         self.address = address
 
 
+@dataclass(frozen=True)
+class Unfinished(Generic[T]):
+    """An item without a value: its worker was killed or went away."""
+
+    item: T
+    reason: str
+
+
 def run_parallel(
     function: Callable[[T], R], items: Iterable[T], jobs: int = 1, cluster: str = ""
-) -> Iterator[R]:
+) -> Iterator[R | Unfinished[T]]:
     """Yield the function's value for each item, in the order in which they are done.
 
-    No more than a few items per worker are out at any time, so neither items nor values gather.
+    No more than a few items per worker are out at any time, so neither items nor values gather. A
+    lost worker costs the items that it had, not the others.
 
     Args:
         function: Must be importable where the workers are.
@@ -61,17 +71,29 @@ def run_parallel(
 
 def _flow(
     distributed: Any, client: Any, function: Callable[[T], R], items: Iterator[T]
-) -> Iterator[R]:
+) -> Iterator[R | Unfinished[T]]:
     workers = max(sum(client.nthreads().values()), 1)
+    out: dict[Any, T] = {}  # by future
 
     def submit(count: int) -> list[Any]:
-        return [client.submit(function, item, pure=False) for item in islice(items, count)]
+        new = {client.submit(function, item, pure=False): item for item in islice(items, count)}
+        out.update(new)
+        return list(new)
 
-    waiting = distributed.as_completed(submit(workers * AHEAD), with_results=True)
+    waiting = distributed.as_completed(
+        submit(workers * AHEAD), with_results=True, raise_errors=False
+    )
     for future, value in waiting:
+        item, has_failed = out.pop(future), future.status in ("error", "cancelled")
         future.release()
         waiting.update(submit(1))
-        yield value
+        yield Unfinished(item, _reason(value)) if has_failed else value
+
+
+def _reason(failure: Any) -> str:
+    """Why a future has no value: what as_completed gives for it."""
+    error = failure[1] if isinstance(failure, tuple) else failure
+    return f"{type(error).__name__}: {error}"
 
 
 def _engine() -> Any:
