@@ -130,10 +130,13 @@ $(STYLES): $(TINY)
 MEAN := python -m voice_assist.training.fit.average
 RUNS := .cache/training/run_
 GPU := $(if $(DEVICE),--device '$(DEVICE)' --workers 8)
+# Of all programs of `train` the only one that needs recordings, so its check speaks for all
+OVERLAP := python -m voice_assist.training.spotter.train_overlap
 train: $(if $(ARGS),.setup/dev,$(TINY) $(STYLES)) ## fine-tune Whisper tiny.en into the embedded recogniser, then the verifier and the spotter that hears over talk; or one run of your own with ARGS; [DEVICE=cuda] for the longest runs; resumes where it was interrupted
 ifneq ($(ARGS),)
 	@$(RUN) $(FIT) $(ARGS)
 else
+	@$(RUN) $(OVERLAP) --check $(GPU)
 	@$(RUN) $(FIT) --from $(TINY) --out .cache/training/first.pt --rate 4e-4 --steps 2800 --decay 0.75 --measure-every 200
 	@$(RUN) $(FIT) --from $(RUNS)first/step_02800.pt --out .cache/training/longer.pt --rate 2.5e-4 --steps 1000 --decay 0.75 --measure-every 250
 	@$(RUN) $(MEAN) $(RUNS)longer/step_00500.pt $(RUNS)longer/step_01000.pt --out .cache/training/second.pt
@@ -149,7 +152,7 @@ else
 	    --batch 2 --rate 2e-4 --steps 13400 --decay 0.75 --measure-every 3350 $(GPU) || exit; done
 	@$(RUN) $(MEAN) .cache/training/before.pt $(RUNS)amounts_3/step_13400.pt $(RUNS)amounts_4/step_13400.pt --out catkin_ws/src/voice_assist/models/embedded.pt
 	@$(RUN) python -m voice_assist.training.verifier.train_verifier --aligner .cache/training/before.pt
-	@$(RUN) python -m voice_assist.training.spotter.train_overlap --steps 4000
+	@$(RUN) $(OVERLAP)
 endif
 
 paper: .setup/dev ## the paper's experiment in synthetic voices, over an hour; [REPETITIONS=3 VOICES=2] is short; [INPUT=voice,pedal] compares; goes on where it was interrupted

@@ -11,18 +11,10 @@ import soundfile
 
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, make_detector, say
 from voice_assist.config import load_voice_config
-from voice_assist.errors import ManifestError, VoiceError
+from voice_assist.errors import ManifestError, ModelError, VoiceError
 from voice_assist.evaluation import command as evaluate_module
 from voice_assist.evaluation.command import Job, evaluate
-from voice_assist.evaluation.evaluator import (
-    ClipOutcome,
-    Evaluator,
-    LabelledClip,
-    StreamClock,
-    Taken,
-    read_manifest,
-)
-from voice_assist.evaluation.metrics import summarize, verdict
+from voice_assist.evaluation.evaluator import Evaluator, LabelledClip, StreamClock
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.types import RATE
 
@@ -160,25 +152,91 @@ def test_claims_are_what_was_taken_right_or_wrong_or_what_the_words_of_a_refused
     assert {(c["command"], c["is_taken"]) for c in claims["b.flac"]} == {("pull less", False)}
 
 
-def test_noise_is_added_at_the_level_asked_for(manifest, fakes):
-    folder = manifest.parent / "noise"
+@pytest.fixture
+def noise(tmp_path):
+    folder = tmp_path / "noise"
     folder.mkdir()
-    soundfile.write(folder / "hiss.wav", 0.1 * np.random.default_rng(0).standard_normal(RATE), RATE)
-    figures = evaluate(CONFIG, job(manifest, noise=folder, snr_db=30.0))
+    hiss = 0.1 * np.random.default_rng(0).standard_normal(RATE)
+    soundfile.write(folder / "hiss.wav", hiss, RATE)
+    soundfile.write(folder / "fan", hiss, RATE, format="FLAC")
+    (folder / "readme.txt").write_text("no sound")
+    return folder
+
+
+def test_noise_is_added_at_the_level_asked_for(manifest, fakes, noise):
+    figures = evaluate(CONFIG, job(manifest, noise=noise, snr_db=30.0))
     assert figures["snr_db"] == 30.0
+    assert figures["noise_files"] == [str(noise / "fan"), str(noise / "hiss.wav")]
     assert figures["commands"]["pull less"]["correct"] == 1
 
 
-@pytest.mark.parametrize("folder", ["missing", "."])
+def test_noise_that_is_damaged_or_silent_is_named(manifest, fakes, noise):
+    whole = (noise / "fan").read_bytes()
+    (noise / "hiss.wav").write_bytes(b"RIFF")
+    (noise / "fan").write_bytes(whole[: len(whole) // 2])
+    soundfile.write(noise / "silent.ogg", np.zeros(RATE), RATE)
+    with pytest.raises(ManifestError) as refused:
+        evaluate(CONFIG, job(manifest, noise=noise, snr_db=30.0))
+    first, *each = str(refused.value).splitlines()
+    assert first == f"{noise}: 3 sound files cannot be used"
+    names = ("fan: damaged", "hiss.wav: not a sound file", "silent.ogg: silent")
+    assert len(each) == len(names)
+    for line, name in zip(each, names, strict=True):
+        assert line.startswith(f"  {noise}/{name}")
+
+
+@pytest.mark.parametrize(
+    ("folder", "said"),
+    [
+        ("missing", "missing: no such folder"),
+        (".", "no sound files in it"),
+        ("readme.txt", "readme.txt: not a folder"),
+    ],
+)
 def test_a_folder_without_noise_is_refused_before_the_model_is_loaded(
-    manifest, tmp_path_factory, folder, monkeypatch
+    manifest, tmp_path_factory, folder, said, monkeypatch
 ):
     monkeypatch.setattr(evaluate_module, "make_recognizer", lambda _: pytest.fail("loaded"))
     made = tmp_path_factory.mktemp("noise")
     (made / "readme.txt").write_text("no sound")
     noise = made / folder
-    with pytest.raises(ManifestError, match="no sound files in it"):
+    with pytest.raises(ManifestError, match=said):
         evaluate(CONFIG, job(manifest, noise=noise, snr_db=6.0, jobs=2))
+
+
+def test_a_damaged_network_is_named_before_a_process_begins(manifest, fakes, monkeypatch):
+    def damaged(*_):
+        raise ModelError("spotter.pt is damaged")
+
+    monkeypatch.setattr(evaluate_module, "make_pipeline", damaged)
+    with pytest.raises(ModelError, match=r"spotter\.pt is damaged"):
+        evaluate(CONFIG, job(manifest, jobs=2))
+
+
+def test_figures_that_cannot_be_written_leave_the_old_ones(manifest, fakes, monkeypatch):
+    old = manifest.parent / "out.json"
+    old.write_text("of an earlier run")
+
+    def full(path, *_, **__):
+        path.touch()
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", full)
+    before = sorted(manifest.parent.iterdir())
+    with pytest.raises(ManifestError, match=r"out\.json cannot be written: No space left"):
+        evaluate(CONFIG, job(manifest))
+    assert old.read_text() == "of an earlier run"
+    assert sorted(manifest.parent.iterdir()) == before
+
+
+def test_figures_go_to_the_file_behind_a_link_and_to_a_device(manifest, fakes):
+    link, behind = manifest.parent / "link.json", manifest.parent / "behind.json"
+    behind.touch()
+    link.symlink_to(behind)
+    evaluate(CONFIG, job(manifest, out=link))
+    assert link.is_symlink() and json.loads(behind.read_text())["n"] == 7
+    evaluate(CONFIG, job(manifest, out=Path("/dev/null")))
+    assert not Path("/dev/null").is_file()
 
 
 def test_a_process_that_dies_is_named_in_one_line(manifest, fakes, monkeypatch):
@@ -188,36 +246,6 @@ def test_a_process_that_dies_is_named_in_one_line(manifest, fakes, monkeypatch):
     monkeypatch.setattr(evaluate_module.ProcessPoolExecutor, "map", broken)
     with pytest.raises(VoiceError, match="one of 2 processes ended too early"):
         evaluate(CONFIG, job(manifest, jobs=2))
-
-
-@pytest.mark.parametrize(
-    ("content", "problem"),
-    [
-        ("", "no column 'path'"),
-        ("file,transcript\na.wav,x\n", "no column 'path'; columns are: file, transcript"),
-        ("path,text\na.wav,x\n", "no column 'transcript'"),
-        ("path,transcript\n", "has no rows"),
-        ("path,transcript\nnone.wav,stop\n", r"row 2: .*none\.wav: no such file"),
-        ("path,transcript\n\n,stop\n", "row 3: the path is empty"),
-        ("path,transcript\nclips.csv,stop\n", r"row 2: .*not a sound file"),
-        ("path,transcript\n.,stop\n", "row 2: .*: not a file"),
-    ],
-)
-def test_a_manifest_that_cannot_be_used_says_why(tmp_path, content, problem):
-    path = tmp_path / "clips.csv"
-    with pytest.raises(ManifestError, match=r"clips\.csv"):  # it is missing
-        read_manifest(path, CONFIG.commands)
-    path.write_text(content)
-    with pytest.raises(ManifestError, match=problem):
-        read_manifest(path, CONFIG.commands)
-
-
-def test_a_manifest_of_a_spreadsheet_is_read(tmp_path):
-    write(tmp_path / "a.wav", "stop")
-    path = tmp_path / "clips.csv"
-    path.write_bytes('\ufeffTranscript , Path\r\n"Stop, stop!",a.wav\r\n'.encode())
-    (clip,) = read_manifest(path, CONFIG.commands)
-    assert (clip.row, clip.phrase) == (2, "stop")
 
 
 @pytest.mark.parametrize(
@@ -277,32 +305,3 @@ def test_the_clock_adds_the_work_to_the_stream():
     clock.begin(5.0)
     assert clock() == 5.0
     assert clock.compute == pytest.approx(0.3)
-
-
-def outcome(phrase, *commands):
-    taken = tuple(Taken(c, c, 0.1 * (i + 1), 0.9) for i, c in enumerate(commands))
-    return ClipOutcome(LabelledClip(2, None, phrase, phrase), 36.0, taken, (), (), 0.5, 37.0)
-
-
-def test_a_wrong_command_beside_the_right_one_is_a_confusion():
-    assert verdict(outcome("tense", "tense")) == "correct"
-    assert verdict(outcome("tense", "tense", "tense")) == "correct"
-    assert verdict(outcome("tense", "tense", "stop")) == "stop"
-    assert verdict(outcome("tense")) == "rejected"
-
-
-def test_false_commands_are_counted_per_hour_and_rates_of_nothing_are_none():
-    negatives = summarize([outcome("", "stop", "tense"), outcome("")], ("stop",))["negatives"]
-    assert negatives["hours"] == pytest.approx(0.02)
-    assert negatives["accepted_per_hour"] == pytest.approx(100.0)
-    figures = summarize([], ("stop",))
-    assert figures["accuracy"] is figures["real_time_factor"] is None
-    assert figures["negatives"]["accepted_per_hour"] is None
-
-
-def test_percentiles_are_those_of_the_clips():
-    said = LabelledClip(2, None, "stop", "stop")
-    taken = [(Taken("stop", "stop", i / 1e3, 1.0),) for i in range(101)]
-    outcomes = [ClipOutcome(said, 1.0, one, (), (), 0, 1) for one in taken]
-    latency = summarize(outcomes, ("stop",))["latency_ms"]["stop"]
-    assert latency == pytest.approx({"p50": 50.0, "p95": 95.0, "p99": 99.0})

@@ -8,6 +8,7 @@ import pytest
 import torch
 
 from tests.unit.voice_assist.support.small_recognizer import SMALL, small_model
+from voice_assist.errors import ModelError
 from voice_assist.recognizer.checkpoint import read_checkpoint
 from voice_assist.recognizer.embedded import restore
 from voice_assist.training.fit import average
@@ -34,7 +35,7 @@ def test_a_model_averaged_with_itself_is_itself():
 
 
 def test_models_of_different_shapes_and_no_model_are_refused():
-    with pytest.raises(ValueError, match=r"different shapes.*n_audio_layer=2.*n_audio_layer=1"):
+    with pytest.raises(ModelError, match=r"different shapes.*n_audio_layer=2.*n_audio_layer=1"):
         average.average([small_model(1), small_model(1, replace(SMALL, n_audio_layer=1))])
-    with pytest.raises(ValueError, match="at least one"):
+    with pytest.raises(ModelError, match="at least one"):
         average.average([])

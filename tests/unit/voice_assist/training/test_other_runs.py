@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A run goes on with what the same run left, and with nothing else."""
 
-import logging
 import sys
 from itertools import repeat
+from types import SimpleNamespace
 
 import pytest
 import torch
@@ -51,15 +51,19 @@ def test_a_finished_run_whose_output_is_missing_writes_its_best_point(finished, 
     ("more", "said"),
     [
         (("--rate", 3e-4), "rate 0.0015 (now 0.0003)"),
-        (("--lesson", "twins", "--seed", 2), "lesson mending (now twins), seed 1 (now 2)"),
+        (
+            ("--from", "{}/run_m/step_00001.pt", "--lesson", "twins", "--seed", 2),
+            "lesson mending (now twins), seed 1 (now 2)",
+        ),
         (("--from", "{}/run_m/step_00001.pt"), "from nothing (now "),
-        (("--speech", "elsewhere"), "(now "),
+        (("--speech", "{}"), "(now "),
     ],
 )
 def test_another_run_of_the_same_name_is_refused_before_its_corpus_is_made(
     finished, tmp_path, monkeypatch, capsys, more, said
 ):
     monkeypatch.setattr(train_recognizer, "load_corpus", lambda *_: pytest.fail("corpus made"))
+    (tmp_path / "manifest.csv").touch()
     more = [str(word).format(tmp_path) for word in more]
     places = ("--cache", str(tmp_path), "--out", str(tmp_path / "m.pt"))
     monkeypatch.setattr(sys, "argv", ["train", *places, *more])
@@ -126,23 +130,74 @@ def steps_of(tmp_path, monkeypatch):
         ({"pitch": 900}, "material "),
         ({"more": ("--rate", 3e-4)}, "rate 0.0001 (now 0.0003)"),
         ({"more": ("--head-rate", 3e-4)}, "head_rate 0.001 (now 0.0003)"),
+        ({"more": ("--steps", 1)}, "steps 2 (now 1)"),
     ],
 )
-def test_the_spotter_over_talk_begins_anew_where_something_else_is_asked_for(
-    steps_of, caplog, other, said
+def test_another_run_of_the_spotter_over_talk_is_refused_and_overwrites_nothing(
+    steps_of, tmp_path, other, said
 ):
-    caplog.set_level(logging.INFO)
     assert steps_of() == 2
+    kept = {path.name: path.read_bytes() for path in (tmp_path / "run_overlap").iterdir()}
+    assert kept.keys() == {"progress.pt", "step_00001.pt", "step_00002.pt"}
+    with pytest.raises(ModelError) as refused:
+        steps_of(**other)
+    assert str(refused.value).startswith(f"{tmp_path / 'run_overlap'} holds a run with ")
+    assert said in str(refused.value)
+    assert kept == {path.name: path.read_bytes() for path in (tmp_path / "run_overlap").iterdir()}
     assert steps_of() == 0  # the same run is over
-    assert "begins anew" not in caplog.text
-    assert steps_of(**other) == 2
-    assert caplog.text.count("begins anew") == 1 and said in caplog.text
 
 
-def test_the_spotter_over_talk_begins_anew_from_another_file(steps_of, tmp_path, monkeypatch):
+def test_the_spotter_over_talk_from_another_file_is_another_run(steps_of, tmp_path, monkeypatch):
     earlier = tmp_path / "earlier.pt"
     network = train_overlap.untrained(tiny_checkpoint("a" * 64))
     monkeypatch.setattr(train_overlap, "read_overlap", lambda *_: (network, ""))
     write_overlap(network, "a" * 64, earlier)
     more = ("--from", earlier)
-    assert [steps_of(), steps_of(more), steps_of(more)] == [2, 2, 0]
+    assert steps_of() == 2
+    with pytest.raises(ModelError, match="from nothing"):
+        steps_of(more)
+    more = (*more, "--out", tmp_path / "further.pt")
+    assert [steps_of(more), steps_of(more)] == [2, 0]
+
+
+def test_a_second_start_with_another_checkpoint_does_not_get_the_firsts_word_times(finished):
+    """The first one had not come to its first measurement."""
+    places = ("--from", finished.folder / "step_00001.pt")
+    TrainingRun(options(finished.folder, *places), None)
+    with pytest.raises(ModelError, match=r"from \w+ \(now nothing\)"):
+        TrainingRun(options(finished.folder), None)
+
+
+def of_three(first, done=0):
+    """Pools of three batches, as `Batches.pools` gives them."""
+    for number in range(3 * first + done, 99):
+        yield number // 3, number
+
+
+def test_the_batches_after_a_break_are_those_that_would_have_come(tmp_path, monkeypatch):
+    monkeypatch.setattr(start, "SMALL", SMALL)
+    monkeypatch.setattr(TrainingRun, "_measure", TrainingRun._save)
+
+    def trained(name, breaks_at):
+        def step(self, batch):
+            if self.progress.step in breaks_at:
+                breaks_at.remove(self.progress.step)
+                raise KeyboardInterrupt
+            seen[self.progress.step] = batch
+            return 0.0, 0.0
+
+        monkeypatch.setattr(TrainingRun, "_step", step)
+        seen, more = {}, ("--steps", 11, "--measure-every", 2)
+        while len(seen) < 11:
+            run = TrainingRun(options(tmp_path, *more, out=f"{name}.pt"), None)
+            try:
+                for until in (5, 11):  # two stages
+                    if run.progress.step < until:
+                        run._stage(SimpleNamespace(pools=of_three), until)
+            except KeyboardInterrupt:
+                pass
+        return seen
+
+    whole = trained("whole", [])
+    assert list(whole.values()) == [0, 1, 2, 3, 4, 6, 7, 8, 9, 10, 11]
+    assert trained("broken", [1, 5, 7, 10]) == whole

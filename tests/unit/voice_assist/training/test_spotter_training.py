@@ -5,14 +5,21 @@ import numpy as np
 import pytest
 
 from voice_assist.config import load_voice_config
+from voice_assist.errors import VoiceError
 from voice_assist.spotter.features import STEP, Embedder, seconds
 from voice_assist.training.data.noise import Surroundings, build_rooms
 from voice_assist.training.data.synthesis import TrainingClip
 from voice_assist.training.spotter import rule
-from voice_assist.training.spotter.dataset import IGNORED, NEGATIVE, label
+from voice_assist.training.spotter.dataset import IGNORED, NEAR, NEGATIVE, label
 from voice_assist.training.spotter.embed import LongEmbedder
 from voice_assist.training.spotter.rule import Count, choose, fired, fired_at
-from voice_assist.training.spotter.streams import LabelledStream, Style, noise_streams, streams
+from voice_assist.training.spotter.streams import (
+    WORD,
+    LabelledStream,
+    Style,
+    noise_streams,
+    streams,
+)
 from voice_assist.training.spotter.trials import NEVER, SpotterTrial, TrialEvidence
 from voice_assist.types import RATE
 
@@ -46,6 +53,10 @@ def test_a_word_is_where_its_stream_says():
         inside = stream.sound[int(begin * RATE) : int(end * RATE)]
         before = stream.sound[int((begin - 0.1) * RATE) : int((begin - 0.02) * RATE)]
         assert np.std(inside) > 20 * np.std(before)
+
+
+def test_what_is_said_like_the_word_does_not_hold_it():
+    assert not [text for text in NEAR if WORD in text.split()]
 
 
 def test_a_voice_under_the_words_is_there_without_pause_and_as_loud_as_asked():
@@ -112,7 +123,7 @@ def test_the_chosen_thresholds_keep_the_rates_or_are_refused_and_find_what_both_
     assert rule.false_stops(talk, chosen) == 0.0
     assert chosen.alone > 2.5
     sure = [TrialEvidence(1.2, 20.0, 1.0, True, True, NEVER)]
-    with pytest.raises(ValueError, match="false stops per hour"):
+    with pytest.raises(VoiceError, match="false stops per hour"):
         choose(CONFIG, {"p": [trial(9.0)]}, {"p": 1.0}, [trial(20.0, sure)] * 3, 0.1, 0.1)
 
 

@@ -86,9 +86,11 @@ def small_pools(monkeypatch):
 
 
 def test_batches_depend_on_the_seed_and_the_pool_alone():
+    def made(workers):
+        return Mixture(clips(), [], SHORT), surroundings(), Strength(), 7, 20.0, workers
+
     def pools(workers):
-        made = Mixture(clips(), [], SHORT), surroundings(), Strength(), 7, 20.0, workers
-        return Batches(*made).pools(3)
+        return Batches(*made(workers)).pools(3)
 
     with pytest.raises(ValueError, match="0 processes to make batches, allowed: at least 1"):
         next(pools(0))
@@ -98,6 +100,11 @@ def test_batches_depend_on_the_seed_and_the_pool_alone():
         assert (pool, first.texts) == (same, second.texts)
         torch.testing.assert_close(first.mel, second.mel, rtol=0, atol=0)
     assert pool > 3
+    every, rest = pools(1), Batches(*made(1)).pools(3, 2)
+    next(every), next(every)
+    for _ in range(4):
+        (pool, whole), (same, after) = next(every), next(rest)
+        assert (pool, whole.texts) == (same, after.texts)
 
 
 SLOW = Aligned(clip("one two", 30.0, "sentence"), (WordTime("one", 1, 2), WordTime("two", 27, 28)))

@@ -70,6 +70,7 @@ def test_embeddings_of_other_recordings_are_computed_anew(speech, tmp_path, monk
 
     monkeypatch.setattr(dataset, "_compute", compute)
     monkeypatch.setattr(dataset, "load_material", lambda *_: None)
+    monkeypatch.setattr(dataset, "training_rows", lambda speech, _: read_manifest(speech))
     for splits in ({"anna": "train", "bert": "dev"}, {"anna": "dev", "bert": "train"}):
         write_manifest(speech, **splits)
         for _ in range(2):
@@ -101,7 +102,8 @@ def test_the_verifier_learns_from_voices_that_were_installed_since(tmp_path, mon
         monkeypatch.setattr(train_verifier, name, fake)
     monkeypatch.setattr(train_verifier.examples, "save", save)
     monkeypatch.setattr(train_verifier.examples, "load", lambda _: {})
-    places = "--speech", "absent", "--cache", tmp_path, "--out", tmp_path / "v.pt"
+    (tmp_path / "manifest.csv").write_text(HEAD)
+    places = "--speech", tmp_path, "--cache", tmp_path, "--out", tmp_path / "v.pt"
     options = train_verifier.parse(list(map(str, places)))
     for installed, so_far in (([], 1), ([], 1), ([(sound, "release", "kokoro:b")], 2)):
         neural += installed
@@ -157,12 +159,13 @@ def test_trials_of_other_clips_noises_or_settings_are_run_anew(runner, tmp_path)
     assert {path.suffix for path in (tmp_path / "tune").iterdir()} == {".json"}
 
 
-def test_trials_that_are_not_written_whole_are_run_again(runner, monkeypatch):
+def test_trials_that_are_not_written_whole_are_run_again(runner, tmp_path, monkeypatch):
     run, said = runner(), [("a", np.ones(5, np.float32))]
     crash = Mock(side_effect=OSError("no space"))
     with monkeypatch.context() as patch, pytest.raises(OSError, match="no space"):
         patch.setattr("pathlib.Path.replace", crash)
         run("human", said)
+    assert not list((tmp_path / "tune").iterdir())
     run("human", said)
     assert len(runner.ran) == 2
 

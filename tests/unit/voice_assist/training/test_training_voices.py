@@ -70,6 +70,28 @@ def test_texts_are_said_by_voices_that_training_may_hear(said, amount):
     assert not held_out & {prompt.voice for prompt in prompts}
 
 
+HELD_OUT = [  # as the card's figures have them
+    *("Alex", "AnxiousAndy", "Gene2", "Marco", "Nguyen", "Tweaky", "announcer", "boris", "edward"),
+    *("f4", "gustave", "john", "klatt4", "m2", "m7", "miguel", "quincy", "robosoft3", "robosoft8"),
+    *("steph3", "zac"),
+]
+
+
+def listing(names):
+    """As espeak-ng lists variants."""
+    lines = [f" 5  variant  --/M  {name}  !v/{name}  " for name in names]
+    return "\n".join(["Pty Language", *lines]).encode()
+
+
+def test_the_same_variants_are_held_out_whatever_else_espeak_speaks(monkeypatch):
+    more = ["Bea", *HELD_OUT, "m1", "zoe"]
+    monkeypatch.setattr(voices, "run_program", lambda _: listing(more))
+    assert voices.espeak_variants() == (["Bea", "m1", "zoe"], HELD_OUT)
+    monkeypatch.setattr(voices, "run_program", lambda _: listing(more[3:]))
+    with pytest.raises(ModelError, match="lacks the held-out variants Alex, AnxiousAndy, allowed"):
+        voices.espeak_variants()
+
+
 def test_a_missing_engine_is_named(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(ModelError, match="pico2wave"):

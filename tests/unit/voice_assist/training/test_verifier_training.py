@@ -11,7 +11,12 @@ from voice_assist.recognizer.verification import BLOCKS
 from voice_assist.training.data import voices
 from voice_assist.training.verifier import examples
 from voice_assist.training.verifier.examples import PHRASES, Examples, Seen
-from voice_assist.training.verifier.train_verifier import LOST, sees_the_same, train
+from voice_assist.training.verifier.train_verifier import (
+    LOST,
+    fold_of,
+    sees_the_same,
+    train,
+)
 
 WIDTH = 8
 
@@ -33,6 +38,12 @@ def test_the_weights_separate_the_kinds_and_odds_of_nearly_all_said_are_above_ze
     assert (odds[some.is_said] > 0.0).mean() > 1.0 - 10 * LOST
     assert (odds[~some.is_said] < 0.0).mean() > 0.9
     assert figures["area"] > 0.95 and (figures["said"], figures["other"]) == (60, 60)
+
+
+def test_a_voice_is_in_one_fold_whatever_its_accent_and_engine():
+    said = ("espeak:en-us+Bea", "espeak:fr-fr+Bea", "phonemes:de+Bea", "phonemes:it+Bea")
+    assert len({fold_of(voice) for voice in said}) == 1
+    assert fold_of("kokoro:af_bella") != fold_of("kokoro:am_echo")
 
 
 def test_what_was_seen_is_kept(tmp_path):

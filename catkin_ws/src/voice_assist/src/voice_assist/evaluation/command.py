@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import csv
+import io
 import json
 import multiprocessing
 import os
 import platform
 import signal
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -29,6 +31,7 @@ from voice_assist.evaluation.evaluator import (
     ClipOutcome,
     Evaluator,
     LabelledClip,
+    noise_files,
     read_manifest,
     read_noises,
     said_once,
@@ -57,7 +60,7 @@ def evaluate(config: VoiceConfig, job: Job) -> dict[str, Any]:
 
     Raises:
         ManifestError: The manifest, a clip, the noise or the place to write cannot be used.
-        ModelError: The model is missing or damaged.
+        ModelError: A network is missing or damaged.
         VoiceError: A process ended before its clips were done.
     """
     if (job.noise is None) != (job.snr_db is None):
@@ -74,9 +77,9 @@ def evaluate(config: VoiceConfig, job: Job) -> dict[str, Any]:
     context = _context(config, job, jobs)
     outcomes = list(_show(_run(config, job, clips, jobs), len(clips)))
     figures = {**summarize(outcomes, config.commands.phrases), **context}
-    job.out.write_text(json.dumps(figures, indent=2) + "\n", encoding="utf-8")
+    _write(job.out, json.dumps(figures, indent=2) + "\n")
     if job.details is not None:
-        _write_details(job.details, outcomes)
+        _write(job.details, _details(outcomes))
     _print_short(figures, job.out)
     return figures
 
@@ -133,12 +136,15 @@ def _show(outcomes: Iterator[ClipOutcome], total: int) -> Iterator[ClipOutcome]:
 
 def _context(config: VoiceConfig, job: Job, jobs: int) -> dict[str, Any]:
     recognizer = make_recognizer(config)
+    make_pipeline(config, time.monotonic, recognizer)  # a damaged network is refused here
+    noises = noise_files(job.noise) if job.noise else []
     return {
         "model": recognizer.name,
         "model_hash": recognizer.model_hash,
         **facts_of(recognizer),
         "mode": job.mode,
         "noise": str(job.noise) if job.noise else None,
+        "noise_files": [str(path) for path in noises],
         "snr_db": job.snr_db,
         "said_twice": config.commands.said_twice,
         "noise_reduction": config.audio.denoise.mode,
@@ -169,7 +175,24 @@ def _check_apart(job: Job, clips: Sequence[LabelledClip]) -> None:
         taken[path.resolve()] = what
 
 
-def _write_details(path: Path, outcomes: Sequence[ClipOutcome]) -> None:
+def _write(path: Path, text: str) -> None:
+    """Replace a file, all or nothing; what is no file, as /dev/stdout, is written to."""
+    try:
+        if path.exists() and not path.is_file():
+            path.write_text(text, encoding="utf-8", newline="")
+            return
+        place = path.resolve()  # of a link
+        temporary = place.with_name(f"{place.name}.{os.getpid()}")
+        try:
+            temporary.write_text(text, encoding="utf-8", newline="")
+            temporary.replace(place)
+        finally:
+            temporary.unlink(missing_ok=True)
+    except OSError as error:
+        raise ManifestError(f"{path} cannot be written: {error.strerror}") from error
+
+
+def _details(outcomes: Sequence[ClipOutcome]) -> str:
     columns: dict[str, Callable[[ClipOutcome], object]] = {
         "row": lambda o: o.clip.row,
         "path": lambda o: o.clip.path,
@@ -186,10 +209,11 @@ def _write_details(path: Path, outcomes: Sequence[ClipOutcome]) -> None:
         "seconds": lambda o: f"{o.seconds:.3f}",
         "claims": lambda o: json.dumps([asdict(claim) for claim in o.claims]),
     }
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(columns)
-        writer.writerows([[value(o) for value in columns.values()] for o in outcomes])
+    text = io.StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow(columns)
+    writer.writerows([[value(o) for value in columns.values()] for o in outcomes])
+    return text.getvalue()
 
 
 def _print_short(figures: dict[str, Any], out: Path) -> None:

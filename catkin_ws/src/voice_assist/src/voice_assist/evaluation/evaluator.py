@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import soundfile
 
 from voice_assist.audio.mixing import add_noise, end_of_speech
 from voice_assist.audio.sound_file import check_sound, read_sound
@@ -18,7 +19,7 @@ from voice_assist.errors import AudioError, ManifestError
 from voice_assist.intent.mapper import Mapper
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.text.csv_rows import csv_rows
-from voice_assist.text.normalize import Words, contains, normalize
+from voice_assist.text.normalize import contains, normalize
 from voice_assist.types import RATE, Match, Mode, Samples, UtteranceDecision
 
 MOVING = "moving"  # active, while the robot moves
@@ -26,6 +27,8 @@ MODES = (Mode.ACTIVE.value, Mode.STANDBY.value, MOVING)  # in which clips may be
 BEFORE = 0.5  # [s] of quiet in front of a clip
 AFTER = 1.5  # [s] of quiet behind it, so that its end can be heard
 QUIET_DB = -75.0  # [dB] of full scale of that quiet
+# Ends of names. Other files are of sound where their first bytes are.
+_SOUNDS = (".aac", ".aif", ".aiff", ".flac", ".m4a", ".mp3", ".oga", ".ogg", ".opus", ".wav")
 
 
 @dataclass(frozen=True)
@@ -211,63 +214,87 @@ def read_manifest(
     Raises:
         ManifestError: The file or a row of it cannot be used; all that is wrong is named.
     """
-    path = Path(path)
+    path, mapper = Path(path), Mapper(commands)
     counted = Mode.ACTIVE.value if mode == MOVING else mode
     phrases = {
-        normalize(spelling): phrase
-        for phrase, spellings in Mapper(commands).accepted().items()
+        mapper.words(spelling): phrase
+        for phrase, spellings in mapper.accepted().items()
         for spelling in spellings
         if counted in commands.get(phrase).modes
     }
     halts = [c.phrase for c in commands.commands if c.is_halt] if mode == MOVING else []
     clips, problems = [], []
     for row, (name, transcript) in csv_rows(path, "path", "transcript"):
+        words = mapper.words(transcript)
+        halt = next((halt for halt in halts if contains(words, normalize(halt))), "")
         try:
-            clips.append(_clip(path.parent, row, name, transcript, phrases, halts))
+            clips.append(_clip(path.parent, row, name, transcript, halt or phrases.get(words, "")))
         except (AudioError, ManifestError) as error:
             problems.append(f"row {row}: {error}")
-    if problems:
-        shown = "\n  ".join(problems[:10])
-        more = f"\n  and {len(problems) - 10} more" if len(problems) > 10 else ""
-        raise ManifestError(f"{path}: {len(problems)} rows cannot be used\n  {shown}{more}")
+    _refuse(path, "rows", problems)
     if not clips:
         raise ManifestError(f"{path}: has no rows below its header")
     return clips
 
 
-def read_noises(folder: str | Path) -> list[Samples]:
+def noise_files(folder: str | Path) -> list[Path]:
     """All sound files of a folder and its subfolders, sorted by name.
 
     Raises:
-        ManifestError: There are none.
+        ManifestError: There is no such folder, or no sound file in it.
     """
-    noises = []
-    for path in sorted(Path(folder).rglob("*")):
-        try:
-            if path.is_file():
-                noises.append(read_sound(path))
-        except AudioError:
-            continue  # a folder of noise may hold texts too
-    if not noises:
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise ManifestError(f"{folder}: {'not a folder' if folder.exists() else 'no such folder'}")
+    found = [path for path in sorted(folder.rglob("*")) if path.is_file() and _is_sound(path)]
+    if not found:
         raise ManifestError(f"{folder}: no sound files in it")
+    return found
+
+
+def read_noises(folder: str | Path) -> list[Samples]:
+    """The sound of `noise_files`.
+
+    Raises:
+        ManifestError: As `noise_files`, or one cannot be read, or is silent; all are named.
+    """
+    noises, problems = [], []
+    for path in noise_files(folder):
+        try:
+            noises.append(read_sound(path))
+        except AudioError as error:
+            problems.append(str(error))
+            continue
+        if not noises[-1].any():
+            problems.append(f"{path}: silent, so no level of noise can be made of it")
+    _refuse(Path(folder), "sound files", problems)
     return noises
 
 
-def _clip(
-    folder: Path,
-    row: int,
-    name: str,
-    transcript: str,
-    phrases: Mapping[Words, str],
-    halts: Sequence[str],
-) -> LabelledClip:
+def _is_sound(path: Path) -> bool:
+    """Whether a file is of sound by its name or its first bytes; it may be damaged."""
+    if path.suffix.lower() in _SOUNDS:
+        return True
+    try:
+        soundfile.info(str(path))
+    except (soundfile.LibsndfileError, RuntimeError):
+        return False
+    return True
+
+
+def _refuse(path: Path, what: str, problems: Sequence[str]) -> None:
+    if problems:
+        shown = "\n  ".join(problems[:10])
+        more = f"\n  and {len(problems) - 10} more" if len(problems) > 10 else ""
+        raise ManifestError(f"{path}: {len(problems)} {what} cannot be used\n  {shown}{more}")
+
+
+def _clip(folder: Path, row: int, name: str, transcript: str, phrase: str) -> LabelledClip:
     if not name.strip():
         raise ManifestError("the path is empty")
     path = folder / name.strip()
     check_sound(path)
-    words = normalize(transcript)
-    said = next((halt for halt in halts if contains(words, normalize(halt))), None)
-    return LabelledClip(row, path, transcript, said or phrases.get(words, ""))
+    return LabelledClip(row, path, transcript, phrase)
 
 
 def claims_of(decision: UtteranceDecision) -> list[ClaimedCommand]:

@@ -4,8 +4,11 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 
+from typed_config import run_command
+from voice_assist.errors import VoiceError
 from voice_assist.evaluation.exact_bounds import share_interval
 from voice_assist.recognizer.checkpoint import find_checkpoint, read_checkpoint
 from voice_assist.recognizer.embedded import restore
@@ -15,6 +18,7 @@ from voice_assist.training.data.noise import Surroundings
 from voice_assist.training.data.synthesis import TrainingClip, plan_held_out, synthesise
 from voice_assist.training.data.texts import COMMANDS
 from voice_assist.training.fit.train_recognizer import REPOSITORY
+from voice_assist.training.options import speech_option
 from voice_assist.training.transcribe import TranscriptTally, in_noise, tally, transcripts
 
 
@@ -30,13 +34,19 @@ def parse(description: str | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=description)
     add = parser.add_argument
     add("--model", default="embedded")
-    add("--speech", type=Path, default=REPOSITORY.parent / "shared" / "speech")
+    add("--speech", type=speech_option, default=REPOSITORY.parent / "shared" / "speech")
     add("--cache", type=Path, default=REPOSITORY / ".cache" / "training")
     add("--seed", type=int, default=1)
     return parser.parse_args()
 
 
 def main() -> None:
+    """Run the command line; ends with 2 where what was asked cannot be done."""
+    if status := run_command(_run, "held_out_figures", (VoiceError,), failed=2):
+        sys.exit(status)
+
+
+def _run() -> None:
     """Print a table of exact transcripts, synthetic voices and people apart."""
     options = parse(__doc__)
     model = restore(read_checkpoint(find_checkpoint(options.model))).eval()

@@ -9,6 +9,7 @@ those that training may hear.
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from random import Random
@@ -16,9 +17,10 @@ from typing import Final
 
 import numpy as np
 
-from typed_config import load_config, load_yaml
+from typed_config import ConfigError, load_config, load_yaml, run_command
 from voice_assist.config import CONFIG_DIR, CommandsConfig
 from voice_assist.config.commands import LANGUAGES
+from voice_assist.errors import VoiceError
 from voice_assist.recognizer.checkpoint import MULTILINGUAL
 from voice_assist.recognizer.whisper import OpenAIRecognizer, load_multilingual
 from voice_assist.text.phonetic_distance import espeak_language
@@ -62,6 +64,12 @@ def backgrounds(
 
 
 def main() -> None:
+    """Run the command line; ends with 2 where what was asked cannot be done."""
+    if status := run_command(_run, "phrase_background", (VoiceError, ConfigError), failed=2):
+        sys.exit(status)
+
+
+def _run() -> None:
     """Print the backgrounds of a language."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("language", choices=LANGUAGES[1:])

@@ -8,7 +8,7 @@ of its training split short utterances are embedded; only the embeddings are kep
 from __future__ import annotations
 
 import argparse
-import csv
+import sys
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -16,17 +16,41 @@ from random import Random
 
 import numpy as np
 
+from typed_config import check_writable, run_command
 from voice_assist.audio.sound_file import read_sound
-from voice_assist.speaker.cohort import PATH, write_cohort
+from voice_assist.errors import ManifestError, VoiceError
+from voice_assist.speaker.cohort import NEAREST, PATH, write_cohort
 from voice_assist.speaker.network import Vector, VoiceNetwork
 from voice_assist.speaker.speech import spoken
+from voice_assist.text.csv_rows import csv_rows
+from voice_assist.training.array_file import replacing
+from voice_assist.training.data.human import MANIFEST
 from voice_assist.types import RATE, Samples
 
 LENGTHS = (0.5, 0.7, 1.0, 1.6)  # [s] of the utterances kept of each speaker, as commands last
 MIN_SPEECH = 5.0  # [s] of speech of a speaker that is used
 MAX_SPEECH = 30.0  # [s] that is read of one
 KINDS = ("speech", "positive")
+SPLITS = ("train",)  # of the background
 Who = tuple[str, str]  # source and speaker
+
+
+def clips_of(folder: Path, splits: Sequence[str]) -> dict[Who, list[str]]:
+    """Files of each speaker.
+
+    Args:
+        folder: With manifest.csv.
+        splits: Of the manifest.
+
+    Raises:
+        ManifestError: The manifest is missing, or lacks a column.
+    """
+    clips: dict[Who, list[str]] = defaultdict(list)
+    columns = ("path", "kind", "speaker", "source", "split")
+    for _, (path, kind, speaker, source, split) in csv_rows(folder / MANIFEST, *columns):
+        if split in splits and kind in KINDS and speaker:
+            clips[source, speaker].append(path)
+    return clips
 
 
 def speech_of(folder: Path, splits: Sequence[str]) -> Iterator[tuple[Who, list[Samples]]]:
@@ -35,13 +59,12 @@ def speech_of(folder: Path, splits: Sequence[str]) -> Iterator[tuple[Who, list[S
     Args:
         folder: With manifest.csv.
         splits: Of the manifest.
+
+    Raises:
+        AudioError: A clip cannot be read.
+        ManifestError: The manifest is missing, or lacks a column.
     """
-    clips: dict[Who, list[str]] = defaultdict(list)
-    with (folder / "manifest.csv").open(newline="") as file:
-        for row in csv.DictReader(file):
-            if row["split"] in splits and row["kind"] in KINDS and row["speaker"]:
-                clips[row["source"], row["speaker"]].append(row["path"])
-    for who, paths in sorted(clips.items()):
+    for who, paths in sorted(clips_of(folder, splits).items()):
         Random(0).shuffle(paths)
         found: list[Samples] = []
         for path in paths:
@@ -59,18 +82,36 @@ def utterances(clips: Sequence[Samples]) -> list[Samples]:
 
 
 def main() -> None:
+    """Run the command line; ends with 2 where what was asked cannot be done."""
+    if status := run_command(_run, "speaker_cohort", (VoiceError,), failed=2):
+        sys.exit(status)
+
+
+def _run() -> None:
     """Write the background voices."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("speech", type=Path)
     parser.add_argument("--out", type=Path, default=PATH)
     options = parser.parse_args()
+    _check_enough(len(clips_of(options.speech, SPLITS)), options.speech)
+    check_writable(options.out)
     embed = VoiceNetwork()
     pieces: list[Vector] = [
         np.stack([embed(u) for u in utterances(clips)])
-        for _, clips in speech_of(options.speech, ("train",))
+        for _, clips in speech_of(options.speech, SPLITS)
     ]
-    write_cohort(pieces, options.out)
+    _check_enough(len(pieces), options.speech)
+    with replacing(options.out, ".npz") as temporary:
+        write_cohort(pieces, temporary)
     print(f"{len(pieces)} speakers, {options.out.stat().st_size / 1e3:.0f} kB: {options.out}")
+
+
+def _check_enough(speakers: int, speech: Path) -> None:
+    """Refuse a background that no gate would load."""
+    if speakers <= NEAREST:
+        enough = f"{MIN_SPEECH:g} s of speech in split {' or '.join(SPLITS)}"
+        words = f"{speakers} speakers, needed: more than {NEAREST} with {enough}"
+        raise ManifestError(f"{speech / MANIFEST}: {words}")
 
 
 if __name__ == "__main__":

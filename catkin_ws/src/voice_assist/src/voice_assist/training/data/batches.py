@@ -83,10 +83,10 @@ class Batches:
         self._mixture, self._around, self._how = mixture, around, how
         self._seed, self._samples, self._workers = seed, int(seconds * RATE), workers
 
-    def pools(self, first: int) -> Iterator[tuple[int, Batch]]:
-        """Pool index and batch, from the first pool on."""
+    def pools(self, first: int, done: int = 0) -> Iterator[tuple[int, Batch]]:
+        """Pool index and batch, from the first pool on, without its batches that are done."""
         for pool, batches in enumerate(ahead(self._pool, first, self._workers), first):
-            for batch in batches:
+            for batch in batches[done if pool == first else 0 :]:
                 yield pool, batch
 
     def _pool(self, pool: int) -> list[Batch]:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -12,11 +11,16 @@ from pathlib import Path
 import numpy as np
 
 from voice_assist.audio.sound_file import read_sound
+from voice_assist.errors import ManifestError
+from voice_assist.text.csv_rows import csv_rows
 from voice_assist.training.cache_key import keyed
 from voice_assist.training.data.synthesis import TrainingClip, read_sounds, save_sounds
 from voice_assist.training.data.texts import normalise_text
 
+MANIFEST = "manifest.csv"
 RowKind = str  # "positive", "speech", "noise" or "rir"
+_COLUMNS = ("path", "kind", "transcript", "speaker", "seconds", "source", "split")
+_LONGEST = 36.0  # [s] of a file of speech
 
 
 @dataclass(frozen=True)
@@ -33,12 +37,15 @@ class ManifestRow:
 
 
 def read_manifest(folder: Path) -> list[ManifestRow]:
-    """Rows of folder/manifest.csv in file order; none where it is absent."""
-    path = folder / "manifest.csv"
+    """Rows of folder/manifest.csv in file order; none where it is absent.
+
+    Raises:
+        ManifestError: It cannot be read, or a row of it has no path or no length.
+    """
+    path = folder / MANIFEST
     if not path.exists():
         return []
-    with path.open(newline="", encoding="utf-8") as file:
-        return [_row(folder, line) for line in csv.DictReader(file)]
+    return [_row(path, line, cells) for line, cells in csv_rows(path, *_COLUMNS)]
 
 
 def training_sentences(rows: Sequence[ManifestRow]) -> list[str]:
@@ -47,8 +54,22 @@ def training_sentences(rows: Sequence[ManifestRow]) -> list[str]:
     return sorted(text for text in said if len(text.split()) >= 4)
 
 
+def speech_rows(
+    rows: Sequence[ManifestRow], split: str, longest: float = _LONGEST
+) -> list[ManifestRow]:
+    """Speech of one split, as `load_speech` takes it."""
+    return [
+        row
+        for row in rows
+        if row.split == split
+        and row.kind in ("speech", "positive")
+        and row.seconds <= longest
+        and (row.transcript or split != "train")
+    ]
+
+
 def load_speech(
-    rows: Sequence[ManifestRow], split: str, cache: Path, longest: float = 36.0
+    rows: Sequence[ManifestRow], split: str, cache: Path, longest: float = _LONGEST
 ) -> list[TrainingClip]:
     """Speech of one split that has a transcript, in manifest order.
 
@@ -58,14 +79,7 @@ def load_speech(
         cache: Folder for the decoded sound; read where that of these very files is there.
         longest: Longer files are left out [s].
     """
-    wanted = [
-        row
-        for row in rows
-        if row.split == split
-        and row.kind in ("speech", "positive")
-        and row.seconds <= longest
-        and (row.transcript or split != "train")
-    ]
+    wanted = speech_rows(rows, split, longest)
     if not wanted:
         return []
     path = keyed(cache / f"{split}.npz", stamped(wanted))
@@ -114,13 +128,13 @@ def _kind(row: ManifestRow) -> str:
     return "sentence" if words > 2 else "word"
 
 
-def _row(folder: Path, line: dict[str, str]) -> ManifestRow:
-    return ManifestRow(
-        folder / line["path"],
-        line["kind"],
-        line["transcript"],
-        line["speaker"],
-        float(line["seconds"]),
-        line["source"],
-        line["split"],
-    )
+def _row(manifest: Path, line: int, cells: Sequence[str]) -> ManifestRow:
+    path, kind, transcript, speaker, seconds, source, split = cells
+    try:
+        length = float(seconds)
+    except ValueError as error:
+        words = f"{manifest}: row {line}: seconds {seconds!r}, allowed: a number"
+        raise ManifestError(words) from error
+    if not path:
+        raise ManifestError(f"{manifest}: row {line}: path '', allowed: a file in its folder")
+    return ManifestRow(manifest.parent / path, kind, transcript, speaker, length, source, split)

@@ -24,10 +24,11 @@ class Progress:
     """How far a run has come."""
 
     step: int = 0
-    pool: int = 0  # next pool of batches
+    pool: int = 0  # of batches, the one at hand or the next
     seconds: float = 0.0  # spent training so far
     best: float = -1e9  # best score measured so far
     best_step: int = 0  # that it was measured at; 0: none yet
+    batch: int = 0  # batches of the pool that are done
 
 
 class Average:

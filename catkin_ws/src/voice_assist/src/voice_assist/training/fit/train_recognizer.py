@@ -19,8 +19,8 @@ import torch
 from torch import nn
 from whisper.model import disable_sdpa
 
-from typed_config import check_writable, package_folder, repository, run_command
-from voice_assist.errors import VoiceError
+from typed_config import check_writable, count_option, number_option, repository, run_command
+from voice_assist.errors import ModelError, VoiceError
 from voice_assist.recognizer.checkpoint import find_checkpoint, read_checkpoint
 from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.training.data.align import align_clips
@@ -37,10 +37,10 @@ from voice_assist.training.fit.checkpoints import (
 from voice_assist.training.fit.curriculum import LESSONS, stage_of
 from voice_assist.training.fit.export import export
 from voice_assist.training.fit.objective import joint_loss
-from voice_assist.training.fit.start import start_anew, start_from
+from voice_assist.training.fit.start import SMALL, start_anew, start_from
+from voice_assist.training.options import device_option, speech_option
 from voice_assist.training.validation import ValidationFigures, measure
 
-PACKAGE = package_folder("voice_assist")
 REPOSITORY = repository("voice_assist") or Path.cwd()
 MORE = {  # clips that a lesson asks for beyond the usual ones
     "twins": {"twin": 8000},
@@ -94,6 +94,8 @@ class TrainingRun:
         check_same_run(path, self.asked)
         self.progress = load_progress(path, self.model, self.optimiser, self.average)
         self.measured = WhisperCtc(self.model.dims).eval()
+        if not path.exists():
+            self._save()  # else another run could go on with the word times of this one
 
     def train(self) -> None:
         """Step until the schedule ends, measuring and saving on the way."""
@@ -133,10 +135,12 @@ class TrainingRun:
     def _stage(self, batches: Batches, until: int) -> None:
         """Train until a step; a stage starts a pool of its own."""
         progress, began, losses = self.progress, time.monotonic(), []
-        for pool, batch in batches.pools(progress.pool):
-            progress.pool = pool
+        for pool, batch in batches.pools(progress.pool, progress.batch):
             losses.append(self._step(batch))
             progress.step += 1
+            is_over = progress.step >= until
+            done = progress.batch + 1 if pool == progress.pool else 1
+            progress.pool, progress.batch = (pool + 1, 0) if is_over else (pool, done)
             if progress.step % 50 == 0:
                 progress.seconds += time.monotonic() - began
                 began = time.monotonic()
@@ -145,9 +149,8 @@ class TrainingRun:
             is_last = progress.step == self.options.steps
             if is_last or progress.step % self.options.measure_every == 0:
                 self._measure()
-            if progress.step >= until:
+            if is_over:
                 break
-        progress.pool += 1
         self._save()
 
     def _step(self, batch: Batch) -> tuple[float, float]:
@@ -214,13 +217,18 @@ def asked_of_a_run(options: argparse.Namespace) -> dict[str, object]:
     """The options by which a run is known again, and the digest of what it starts from.
 
     Raises:
-        ModelError: The checkpoint to start from is missing or damaged.
+        ModelError: The checkpoint to start from is missing or damaged, or has fewer blocks than
+            are to be held.
     """
-    start = "nothing"
+    start, blocks = "nothing", SMALL.n_audio_layer
     if options.start:
         path = find_checkpoint(options.start)
-        found = read_checkpoint(path).sha256[:12]  # the run itself replaces its output
+        checkpoint = read_checkpoint(path)
+        blocks = checkpoint.dims.n_audio_layer
+        found = checkpoint.sha256[:12]  # the run itself replaces its output
         start = "its own output" if path.resolve() == options.out.resolve() else found
+    if not 0 <= options.held <= blocks:
+        raise ModelError(f"--held {options.held}, allowed: 0 to {blocks} blocks of the encoder")
     speech = str(options.speech.resolve())
     return {"from": start, "speech": speech, **{n: getattr(options, n) for n in _OF_A_RUN}}
 
@@ -252,27 +260,35 @@ def _to_align(clips: list[TrainingClip]) -> list[TrainingClip]:
 
 
 def parse(arguments: list[str] | None = None) -> argparse.Namespace:
-    """Options of a run; the defaults make the shipped checkpoint."""
+    """Options of a run; the Makefile has those of the runs behind the shipped checkpoint."""
     parser = argparse.ArgumentParser(description=__doc__)
     add = parser.add_argument
-    add("--speech", type=Path, default=REPOSITORY.parent / "shared" / "speech")
+    add("--speech", type=speech_option, default=REPOSITORY.parent / "shared" / "speech")
     add("--cache", type=Path, default=REPOSITORY / ".cache" / "training")
-    add("--out", type=Path, default=PACKAGE / "models" / "embedded.pt")
+    add("--out", type=Path, required=True, help="checkpoint to write; its name is that of the run")
     add("--from", dest="start", help="checkpoint to continue, or Whisper model such as base.en")
-    add("--lesson", choices=LESSONS, default=LESSONS[0], help="with which --from continues a run")
+    help_ = f"with which --from continues a run; default: {LESSONS[0]}"
+    add("--lesson", choices=LESSONS, help=help_)
     add("--held", type=int, default=0, help="blocks of the encoder that stay as they are")
     add("--packages", type=Path, default=REPOSITORY / ".cache" / "training" / "openai")
-    add("--share", type=float, default=1.0, help="of the synthetic corpus that is spoken")
+    share = number_option(0.001)
+    add("--share", type=share, default=1.0, help="of the synthetic corpus that is spoken")
     add("--seed", type=int, default=1)
-    add("--steps", type=int, default=4000)
-    add("--batch", type=float, default=1.0, help="times the sound of the lesson in a batch")
-    add("--rate", type=float, default=1.5e-3, help="peak learning rate")
-    add("--decay", type=float, default=0.5, help="share of steps on the way down")
-    add("--measure-every", type=int, default=400, help="steps")
-    add("--threads", type=int, default=2)
-    add("--workers", type=int, default=1, help="processes that make batches")
-    add("--device", default="cpu", help="that the network is trained on, such as cuda")
-    return parser.parse_args(arguments)
+    add("--steps", type=count_option, default=4000)
+    add("--batch", type=share, default=1.0, help="times the sound of the lesson in a batch")
+    add("--rate", type=number_option(0.0), default=1.5e-3, help="peak learning rate")
+    decay = number_option(0.0, 1.0)
+    add("--decay", type=decay, default=0.5, help="share of steps on the way down")
+    add("--measure-every", type=count_option, default=400, help="steps")
+    add("--threads", type=count_option, default=2)
+    add("--workers", type=count_option, default=1, help="processes that make batches")
+    help_ = "that the network is trained on, such as cuda"
+    add("--device", type=device_option, default="cpu", help=help_)
+    options = parser.parse_args(arguments)
+    if options.lesson and not options.start:
+        parser.error(f"--lesson {options.lesson} without --from, allowed: the two together")
+    options.lesson = options.lesson or LESSONS[0]
+    return options
 
 
 def main() -> None:

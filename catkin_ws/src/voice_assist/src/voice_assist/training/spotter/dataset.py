@@ -14,6 +14,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from voice_assist.errors import ModelError
 from voice_assist.spotter.features import STEP, Embeddings, seconds
 from voice_assist.training.array_file import write_arrays
 from voice_assist.training.cache_key import keyed
@@ -23,6 +24,7 @@ from voice_assist.training.data.human import (
     load_sounds,
     load_speech,
     read_manifest,
+    speech_rows,
     stamped,
 )
 from voice_assist.training.data.noise import Surroundings, build_rooms
@@ -42,6 +44,7 @@ NEGATIVE, IGNORED = -1, -2
 _WORDS = Style(again=0.1, talker=0.2)
 _FLUENT = Style(speed=(0.9, 1.1), noise=0.5, talker=0.1)
 _EARLY, _LATE, _AFTER = 0.04, 0.36, 0.9  # [s] around the end of a word
+_SHORT, _TALK = 2.5, 1.5  # [s] that single words are below, and that talk is above
 
 # Said like the word by the synthetic voices, and not it.
 NEAR = tuple(
@@ -51,7 +54,7 @@ crop|star|store|stand|stay|still|stool|scope|sob|spot|stab|swap|laptop|tap|tough
 stoop|steep|stamp|staff|stiff|storm|stone|stack|stuck|stalk|sock|soap|soup|sup|sap|op|on top|okay
 step up|hey shop|the shop|add up|set up|cut|but|got|not|what|hot|god|job|top it up|one step|snow
 go|no|yes|on|off|down|left|right|house|dog|bob|boy|hadouken|jarvis|computer|amelia|snowboy|athena
-sport|spat|stopper|stop it's|post|past|most|test|cost|lost|hoped|pope|rope|hope|cope|tape|tip|tub
+sport|spat|stopper|post|past|most|test|cost|lost|hoped|pope|rope|hope|cope|tape|tip|tub
 """.replace("\n", "|").strip("|").split("|")
 )  # fmt: skip
 
@@ -89,15 +92,51 @@ class SpotterMaterial:
     around: Surroundings
 
 
-def load_material(speech: Path, cache: Path, seed: int, amounts: SpotterAmounts) -> SpotterMaterial:
-    """Read the recordings of split `train`, and speak the synthetic prompts."""
+def training_rows(speech: Path, amounts: SpotterAmounts) -> list[ManifestRow]:
+    """Rows of the manifest to train on, before any of their sound is read.
+
+    Raises:
+        ManifestError: The manifest cannot be read.
+        ModelError: Too few people are in it, or none.
+    """
     rows = _thinned(read_manifest(speech), amounts.recorded)
+    said = [
+        (_role(texts.normalise_text(row.transcript), row.seconds), row.seconds)
+        for row in speech_rows(rows, "train")
+    ]
+    counts = {
+        f"recordings of {WORD!r} alone": sum(role == WORD for role, _ in said),
+        "of one or two other words": sum(role == "words" for role, _ in said),
+        f"of talk over {_TALK:g} s": sum(role == "talk" and time > _TALK for role, time in said),
+    }
+    if not all(counts.values()):
+        held = ", ".join(f"{count} {what}" for what, count in counts.items())
+        needed = 'a spotter needs at least 1 of each (models/README.md, "Data and licences")'
+        raise ModelError(f"{speech}, split train: {held}; {needed}")
+    return rows
+
+
+def _role(text: str, seconds: float) -> str:
+    """Of a person's clip: WORD, "words" or "talk"; empty, and of no use, where more is said."""
+    words = text.split()
+    if WORD in words:
+        return WORD if text == WORD else ""
+    return "words" if len(words) <= 2 and seconds < _SHORT else "talk"
+
+
+def load_material(speech: Path, cache: Path, seed: int, amounts: SpotterAmounts) -> SpotterMaterial:
+    """Read the recordings of split `train`, and speak the synthetic prompts.
+
+    Raises:
+        ManifestError: As `training_rows`.
+        ModelError: As `training_rows`, or an engine of synthesis is missing.
+    """
+    rows = training_rows(speech, amounts)
     human = load_speech(rows, "train", cache / "recordings")
-    stops = [clip for clip in human if clip.text == WORD]
-    others = [clip for clip in human if WORD not in clip.text.split()]
-    is_short = [len(clip.text.split()) <= 2 and len(clip.samples) < 40_000 for clip in others]
-    words = [clip for clip, short in zip(others, is_short, strict=True) if short]
-    sentences = [clip for clip, short in zip(others, is_short, strict=True) if not short]
+    stops, words, sentences = (
+        [clip for clip in human if _role(clip.text, len(clip.samples) / RATE) == role]
+        for role in (WORD, "words", "talk")
+    )
     rng = Random(seed)
     spoken = [WORD] * amounts.synthetic
     spans = [t for t in texts.TALK + texts.COMMANDS if WORD not in t.split()]
@@ -107,7 +146,7 @@ def load_material(speech: Path, cache: Path, seed: int, amounts: SpotterAmounts)
     prompts.sort(key=lambda p: (p.engine, p.voice, p.text, p.rate))
     clips = synthesise(prompts, cache / "synthetic", workers=1)
     rooms = build_rooms(load_sounds(rows, "rir"), np.random.default_rng(seed))
-    talkers = [c.samples for c in sentences if len(c.samples) > 24_000]
+    talkers = [c.samples for c in sentences if len(c.samples) > _TALK * RATE]
     return SpotterMaterial(
         words=words,
         stops=stops,
@@ -137,8 +176,12 @@ def load_steps(speech: Path, cache: Path, seed: int, amounts: SpotterAmounts) ->
         cache: Folder for all that is computed.
         seed: Of all chance.
         amounts: How much of each kind.
+
+    Raises:
+        ManifestError: As `training_rows`.
+        ModelError: As `load_material`.
     """
-    rows = _thinned(read_manifest(speech), amounts.recorded)
+    rows = training_rows(speech, amounts)
     heard = stamped([row for row in rows if row.split == "train"])
     said = (NEAR, texts.TALK, texts.COMMANDS)
     paths = {kind: keyed(cache / f"{kind}.npz", seed, amounts, heard, said) for kind in _KINDS}
@@ -182,7 +225,8 @@ def _human(
     """Every WORD many times among single words of people, and those often."""
     for _ in range(amounts.rounds):
         clips = [*material.stops]
-        picked = rng.choice(len(material.words), 2 * len(clips), replace=False)
+        count = min(2 * len(clips), len(material.words))
+        picked = rng.choice(len(material.words), count, replace=False)
         clips += [material.words[i] for i in picked]
         order = rng.permutation(len(clips))
         yield from streams([clips[i] for i in order], material.around, _WORDS, rng)

@@ -10,6 +10,7 @@ from itertools import product
 import numpy as np
 
 from voice_assist.config import SpotterConfig
+from voice_assist.errors import VoiceError
 from voice_assist.evaluation.exact_bounds import share_interval
 from voice_assist.spotter.fusion import StopEvidence, StopFusion
 from voice_assist.training.spotter.trials import NEVER, SpotterTrial
@@ -115,6 +116,9 @@ def choose(
         talk: In which it was not.
         alone_rate: False stops per hour that the spotter may cause by itself.
         rate: And both together.
+
+    Raises:
+        VoiceError: No thresholds keep that rate.
     """
     alone = max(thresholds(talk, [alone_rate])[alone_rate], 0.0)
     allowed = rate * hours(talk)
@@ -130,7 +134,7 @@ def choose(
         if best is None or rank > best[:3]:
             best = (*rank, tried)
     if best is None:
-        raise ValueError(f"no thresholds keep {rate} false stops per hour")
+        raise VoiceError(f"no thresholds keep {rate} false stops per hour")
     return best[3]
 
 

@@ -15,7 +15,7 @@ import torch
 from torch import Tensor
 from torch.nn.functional import binary_cross_entropy_with_logits
 
-from typed_config import check_writable, run_command
+from typed_config import check_writable, count_option, number_option, run_command
 from voice_assist.errors import VoiceError
 from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
 from voice_assist.recognizer.hybrid import encode_short
@@ -30,11 +30,13 @@ from voice_assist.spotter.overlap import (
     write_overlap,
 )
 from voice_assist.training.ahead import ahead
-from voice_assist.training.cache_key import differences, digest
+from voice_assist.training.cache_key import digest
 from voice_assist.training.data.kokoro import plan_words, spoken
-from voice_assist.training.fit.train_recognizer import REPOSITORY
+from voice_assist.training.fit.checkpoints import check_same_run
+from voice_assist.training.fit.train_recognizer import REPOSITORY, progress_file
+from voice_assist.training.options import device_option, speech_option
 from voice_assist.training.precision import cheap_numbers
-from voice_assist.training.spotter.dataset import LOG, SpotterAmounts, load_material
+from voice_assist.training.spotter.dataset import LOG, SpotterAmounts, load_material, training_rows
 from voice_assist.training.spotter.overlap_mixture import Batch, OverlapMaterial, arrange, draw
 from voice_assist.training.spotter.streams import WORD
 
@@ -46,28 +48,35 @@ _SAVE_EVERY = 50  # steps
 
 
 def parse(arguments: list[str] | None = None) -> argparse.Namespace:
-    """Options of a run; the defaults make the shipped file."""
+    """Options of a run; the defaults are those of `make train`."""
     parser = argparse.ArgumentParser(description=__doc__)
-    add = parser.add_argument
-    add("--speech", type=Path, default=REPOSITORY.parent / "shared" / "speech")
+    add, rate = parser.add_argument, number_option(0.0)
+    add("--check", action="store_true", help="only find out whether all it needs is there")
+    add("--speech", type=speech_option, default=REPOSITORY.parent / "shared" / "speech")
     add("--cache", type=Path, default=REPOSITORY / ".cache" / "training" / "overlap")
     add("--packages", type=Path, default=REPOSITORY / ".cache" / "training" / "openai")
     add("--recogniser", type=Path, default=EMBEDDED_PATH, help="whose encoder it takes")
     add("--out", type=Path, default=PATH)
     add("--from", dest="start", type=Path, help="file of an earlier run to train further")
     add("--seed", type=int, default=1)
-    add("--steps", type=int, default=3000)
-    add("--batch", type=int, default=24, help="windows of a step")
-    add("--head-rate", type=float, default=1e-3, help="peak learning rate of the head")
-    add("--rate", type=float, default=1e-4, help="peak learning rate of the encoder's last blocks")
-    add("--threads", type=int, default=1)
-    add("--workers", type=int, default=1, help="processes that mix windows")
-    add("--device", default="cpu", help="that the network is trained on, such as cuda")
+    add("--steps", type=count_option, default=4000)
+    add("--batch", type=count_option, default=24, help="windows of a step")
+    add("--head-rate", type=rate, default=1e-3, help="peak learning rate of the head")
+    add("--rate", type=rate, default=1e-4, help="peak learning rate of the encoder's last blocks")
+    add("--threads", type=count_option, default=1)
+    add("--workers", type=count_option, default=1, help="processes that mix windows")
+    help_ = "that the network is trained on, such as cuda"
+    add("--device", type=device_option, default="cpu", help=help_)
     return parser.parse_args(arguments)
 
 
 def load_overlap_material(speech: Path, cache: Path, packages: Path, seed: int) -> OverlapMaterial:
-    """People, synthetic voices and surroundings; spoken once, and kept in the cache."""
+    """People, synthetic voices and surroundings; spoken once, and kept in the cache.
+
+    Raises:
+        ManifestError: The manifest cannot be read.
+        ModelError: Too few people are in it, or an engine or a package of synthesis is missing.
+    """
     material = load_material(speech, cache, seed, AMOUNTS)
     kokoro = spoken(plan_words(), packages, cache / "kokoro")
     said = [clip for clip in kokoro if clip.text == WORD]
@@ -103,9 +112,16 @@ def train(material: OverlapMaterial, options: argparse.Namespace) -> tuple[Overl
 
     Returns:
         The running mean of the network, and the digest of the recogniser it began from.
+
+    Raises:
+        ModelError: A checkpoint cannot be read, or another run has the name of this one.
     """
     torch.manual_seed(options.seed)
     checkpoint = read_checkpoint(options.recogniser)
+    progress = progress_file(options)
+    asked = _asked(checkpoint.sha256, material, options)
+    check_same_run(progress, asked)
+    progress.parent.mkdir(parents=True, exist_ok=True)
     network = (
         read_overlap(options.start, options.recogniser)[0].train()
         if options.start
@@ -120,9 +136,7 @@ def train(material: OverlapMaterial, options: argparse.Namespace) -> tuple[Overl
         {"params": network.head.parameters(), "lr": options.head_rate, "peak": options.head_rate},
     ]
     optimiser = torch.optim.AdamW(groups, weight_decay=0.01)
-    progress = options.cache / f"progress_{options.seed}_{options.steps}_{options.batch}.pt"
-    asked = _asked(checkpoint.sha256, material, options)
-    done = _resume(progress, network, mean, optimiser, asked)
+    done = _resume(progress, network, mean, optimiser)
     began, sum_ = time.monotonic(), 0.0
     batches = ahead(lambda step: _batch(material, options, step), done + 1, options.workers)
     for step in range(done + 1, options.steps + 1):
@@ -141,7 +155,7 @@ def train(material: OverlapMaterial, options: argparse.Namespace) -> tuple[Overl
             sum_ = 0.0
         if step % _SAVE_EVERY == 0:
             _save(progress, step, network, mean, optimiser, asked)
-            write_overlap(mean, checkpoint.sha256, options.cache / f"step_{step:05d}.pt")
+            write_overlap(mean, checkpoint.sha256, progress.parent / f"step_{step:05d}.pt")
     return mean, checkpoint.sha256
 
 
@@ -186,15 +200,11 @@ def _resume(
     network: OverlapNetwork,
     mean: OverlapNetwork,
     optimiser: torch.optim.Optimizer,
-    asked: Mapping[str, object],
 ) -> int:
-    """Go on where the same run was broken off; gives the steps that are done."""
+    """Go on where the run was broken off; gives the steps that are done."""
     if not path.exists():
         return 0
     state = torch.load(path, map_location="cpu", weights_only=True)
-    if differs := differences(state.get("asked"), asked):
-        LOG.info("begins anew: %s is of a run with %s", path, differs)
-        return 0
     network.load_state_dict(state["network"], strict=False)
     mean.load_state_dict(state["mean"], strict=False)
     optimiser.load_state_dict(state["optimiser"])
@@ -215,6 +225,9 @@ def _run(options: argparse.Namespace) -> None:
     if options.start:
         read_overlap(options.start, options.recogniser)
     check_writable(options.out)
+    training_rows(options.speech, AMOUNTS)
+    if options.check:
+        return
     torch.set_num_threads(options.threads)
     material = load_overlap_material(options.speech, options.cache, options.packages, options.seed)
     counts = (material.human, material.synthetic, material.others, material.near, material.talk)

@@ -19,12 +19,13 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn.functional import softplus
 
-from typed_config import check_writable, run_command
+from typed_config import check_writable, count_option, number_option, run_command
 from voice_assist.errors import VoiceError
 from voice_assist.recognizer.safe_weights import write_weights
 from voice_assist.spotter.features import Embedder
 from voice_assist.spotter.head import CONTEXT, PATH, Head, Member
 from voice_assist.training.fit.train_recognizer import REPOSITORY
+from voice_assist.training.options import speech_option
 from voice_assist.training.spotter.dataset import LOG, NEGATIVE, SpotterAmounts, Steps, load_steps
 
 _WINDOWS = 4  # steps from the end of a word on in which it shall be found, 0.32 s
@@ -136,16 +137,16 @@ def _firsts(labels: NDArray[np.int32]) -> NDArray[np.int64]:
 
 
 def parse(arguments: list[str] | None = None) -> argparse.Namespace:
-    """Options of a run; the defaults make the shipped file."""
+    """Options of a run; the shipped file is older, and had fewer prompts (SPOTTER.md)."""
     parser = argparse.ArgumentParser(description=__doc__)
     add = parser.add_argument
-    add("--speech", type=Path, default=REPOSITORY.parent / "shared" / "speech")
+    add("--speech", type=speech_option, default=REPOSITORY.parent / "shared" / "speech")
     add("--cache", type=Path, default=REPOSITORY / ".cache" / "spotter")
     add("--out", type=Path, default=PATH)
     add("--seed", type=int, default=1)
-    add("--steps", type=int, default=1000, help="of each member")
-    add("--rate", type=float, default=2e-3, help="peak learning rate")
-    add("--threads", type=int, default=1)
+    add("--steps", type=count_option, default=1000, help="of each member")
+    add("--rate", type=number_option(0.0), default=2e-3, help="peak learning rate")
+    add("--threads", type=count_option, default=1)
     return parser.parse_args(arguments)
 
 

@@ -9,18 +9,23 @@ from __future__ import annotations
 
 import argparse
 import logging
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 import torch
 
+from typed_config import ConfigError, count_option, number_option, run_command
 from voice_assist.assembly import make_recognizer
 from voice_assist.config import SpotterConfig, load_voice_config
+from voice_assist.errors import ModelError, VoiceError
 from voice_assist.evaluation.evaluator import read_noises
-from voice_assist.training.data.human import load_speech, read_manifest
+from voice_assist.training.data.human import load_speech, read_manifest, speech_rows
 from voice_assist.training.data.synthesis import plan_held_out, synthesise
+from voice_assist.training.data.texts import normalise_text
 from voice_assist.training.fit.train_recognizer import REPOSITORY
+from voice_assist.training.options import speech_option
 from voice_assist.training.spotter import rule
 from voice_assist.training.spotter.streams import WORD
 from voice_assist.training.spotter.trials import LOG, SpotterTrial, TrialRunner, as_float
@@ -33,9 +38,16 @@ Sets = dict[str, list[SpotterTrial]]
 
 
 def main() -> None:
+    """Run the command line; ends with 2 where what was asked cannot be done."""
+    refusals = VoiceError, ConfigError
+    if status := run_command(lambda: _run(_parse()), "tune", refusals, failed=2):
+        sys.exit(status)
+
+
+def _run(options: argparse.Namespace) -> None:
     """Print the curves and the thresholds that fit best."""
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s")
-    options = _parse()
+    check_people(options.speech)
     config = load_voice_config(recognizer__model=options.model)
     recognizer = make_recognizer(config)
     torch.set_num_threads(1)
@@ -59,6 +71,24 @@ def main() -> None:
     print("\nfor config/spotter.yaml:")
     for key in ("alone", "middle", "near", "agree", "sure"):
         print(f"  {key}: {getattr(chosen, key):.2f}")
+
+
+def check_people(speech: Path) -> None:
+    """Find out before long work whether there are people to choose thresholds by.
+
+    Raises:
+        ManifestError: The manifest cannot be read.
+        ModelError: Nobody says the word, or nobody anything else.
+    """
+    rows = read_manifest(speech)
+    said = [normalise_text(row.transcript) for row in speech_rows(rows, "dev")]
+    talk = [normalise_text(row.transcript) for row in speech_rows(rows, "false_accept_dev")]
+    words = said.count(WORD)
+    others = len(said) - words + sum(WORD not in text.split() for text in talk)
+    if not (words and others):
+        held = f"{words} recordings of {WORD!r} in split dev, {others} of other speech in"
+        needed = "thresholds need at least 1 of each"
+        raise ModelError(f"{speech}: {held} dev and false_accept_dev; {needed}")
 
 
 def _people(trials: TrialRunner, options: argparse.Namespace) -> tuple[Sets, list[SpotterTrial]]:
@@ -121,14 +151,17 @@ def _print_way(
 def _parse() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     add = parser.add_argument
-    add("--speech", type=Path, default=REPOSITORY.parent / "shared" / "speech")
+    add("--speech", type=speech_option, default=REPOSITORY.parent / "shared" / "speech")
     add("--cache", type=Path, default=REPOSITORY / ".cache" / "spotter" / "tune")
     add("--model", default="embedded", help="recogniser, as in recognizer.yaml")
     add("--noise", type=Path, help="folder of noise for the sets at 10 and 0 dB")
-    add("--thin", type=int, default=8, help="see TrialRunner: share of what the spotter ignores")
+    help_ = "see TrialRunner: share of what the spotter ignores"
+    add("--thin", type=count_option, default=8, help=help_)
     add("--floor", type=float, default=-2.0, help="score below which the spotter ignores a clip")
-    add("--alone-rate", type=float, default=0.3, help="false stops per hour of the spotter alone")
-    add("--rate", type=float, default=0.5, help="false stops per hour of both together")
+    rate = number_option(0.0)
+    help_ = "false stops per hour of the spotter alone"
+    add("--alone-rate", type=rate, default=0.3, help=help_)
+    add("--rate", type=rate, default=0.5, help="false stops per hour of both together")
     return parser.parse_args()
 
 

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from torch.nn.functional import binary_cross_entropy_with_logits
 from torch.nn.utils import parameters_to_vector
 
-from typed_config import check_writable, run_command
+from typed_config import check_writable, count_option, run_command
 from voice_assist.audio.espeak import Int16
 from voice_assist.errors import ModelError, VoiceError
 from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
@@ -42,6 +42,7 @@ from voice_assist.training.data.noise import Surroundings, build_rooms
 from voice_assist.training.data.synthesis import speak_all
 from voice_assist.training.data.texts import TALK
 from voice_assist.training.fit.train_recognizer import REPOSITORY, lower_parts
+from voice_assist.training.options import speech_option
 from voice_assist.training.verifier import examples
 from voice_assist.training.verifier.examples import Examples, Seen
 
@@ -53,17 +54,17 @@ _FOLDS = 5  # of the voices, left out one after the other
 
 
 def parse(arguments: list[str] | None = None) -> argparse.Namespace:
-    """Options of a run; the defaults make the shipped file."""
+    """Options of a run; the shipped file was made with an --aligner (VERIFIER.md)."""
     parser = argparse.ArgumentParser(description=__doc__)
     add = parser.add_argument
-    add("--speech", type=Path, default=REPOSITORY.parent / "shared" / "speech")
+    add("--speech", type=speech_option, default=REPOSITORY.parent / "shared" / "speech")
     add("--cache", type=Path, default=REPOSITORY / ".cache" / "training")
     add("--packages", type=Path, default=REPOSITORY / ".cache" / "training" / "openai")
     add("--recogniser", type=Path, default=EMBEDDED_PATH, help="that it belongs to")
     add("--aligner", type=Path, help="another recogniser with the same lower blocks, to align by")
     add("--out", type=Path, default=PATH)
     add("--seed", type=int, default=1)
-    add("--threads", type=int, default=1)
+    add("--threads", type=count_option, default=1)
     return parser.parse_args(arguments)
 
 
@@ -112,7 +113,7 @@ def train(some: Examples) -> tuple[NDArray[np.float32], dict[str, float]]:
     All voices train the weights. The bias makes the odds 0 where LOST of the clips of the phrase
     lie below, each judged by a classifier that never heard its voice.
     """
-    folds = np.array([crc32(voice.encode()) % _FOLDS for voice in some.voices])
+    folds = np.array([fold_of(voice) for voice in some.voices])
     odds = np.zeros(len(folds))
     for fold in range(_FOLDS):
         is_out = folds == fold
@@ -130,6 +131,15 @@ def train(some: Examples) -> tuple[NDArray[np.float32], dict[str, float]]:
     zero = judge(np.zeros((1, some.seen.shape[1]), np.float32))[0]
     weights = judge(np.eye(some.seen.shape[1], dtype=np.float32)) - zero
     return np.append(weights, zero - least).astype(np.float32), figures
+
+
+def fold_of(voice: str) -> int:
+    """The fold in which a voice is left out, the same in all of its accents and engines.
+
+    Args:
+        voice: Such as "kokoro:af_bella", or with an accent "espeak:en-us+m3".
+    """
+    return crc32(voice.rpartition("+")[2].encode()) % _FOLDS
 
 
 def _fit(
