@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import shutil
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -89,6 +90,20 @@ def test_any_bytes_as_a_manifest_are_refused(data: bytes) -> None:
 def test_any_bytes_as_thresholds_are_refused(data: bytes) -> None:
     with pytest.raises(VoiceError, match=r"settings\.json"):
         thresholds.from_bytes(data)
+
+
+@settings(max_examples=60)
+@given(st.text(max_size=20))
+def test_whatever_a_recording_is_called_its_profile_can_be_read(source: str) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        made = create_profile("ada", "ab" * 32, Path(folder))
+        try:
+            made.add_take(np.zeros(400, np.float32), replace(take("stop"), source=source))
+        except VoiceProfileError as error:
+            assert "source" in str(error)
+        found = open_profile("ada", Path(folder))
+        found.check()
+        assert found.manifest == made.manifest
 
 
 def test_a_manifest_comes_back_as_it_was_written(whole: VoiceProfile) -> None:

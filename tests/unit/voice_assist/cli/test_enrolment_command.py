@@ -4,12 +4,21 @@
 import dataclasses
 
 import pytest
+import soundfile
 
-from tests.unit.voice_assist.support.fake_speech import FakeRecognizer
+from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, say
 from voice_assist import assembly, recognizer
 from voice_assist.cli.enroll import EnrolRequest, enroll
 from voice_assist.config import CONFIG_DIR, load_voice_config
 from voice_assist.errors import VoiceError
+from voice_assist.recognizer.embedded import EmbeddedRecognizer
+from voice_assist.types import RATE
+
+
+class Adaptable(FakeRecognizer, EmbeddedRecognizer):
+    """Could be adapted; no test does."""
+
+    model_hash = "ab" * 32
 
 
 def asked(tmp_path):
@@ -39,13 +48,35 @@ def test_an_input_that_has_ended_is_said_in_words_and_nothing_is_lost(tmp_path, 
     def ended(prompt):
         raise EOFError
 
-    hears = FakeRecognizer()
-    hears.model_hash = "ab" * 32
-    monkeypatch.setattr(recognizer, "load_recognizer", lambda *_, **__: hears)
+    monkeypatch.setattr(recognizer, "load_recognizer", lambda *_, **__: Adaptable())
     wanted = dataclasses.replace(asked(tmp_path), wavs=None)
     with pytest.raises(VoiceError, match=r"input has ended .* what was recorded is kept"):
         enroll(load_voice_config(), wanted, ask=ended)
     assert (tmp_path / "ada").is_dir()
+
+
+def test_a_recogniser_that_cannot_be_adapted_is_refused_before_anything_is_asked(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setattr(recognizer, "load_recognizer", lambda *_, **__: FakeRecognizer())
+    wanted, prompts = dataclasses.replace(asked(tmp_path), wavs=None), []
+    with pytest.raises(VoiceError, match=r"'fake' cannot be adapted, allowed: the embedded model"):
+        enroll(load_voice_config(), wanted, ask=prompts.append)
+    assert not prompts and not list(tmp_path.iterdir())
+
+
+def test_a_file_that_is_left_out_is_named_on_the_terminal(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(recognizer, "load_recognizer", lambda *_, **__: Adaptable())
+    wavs = tmp_path / "wavs"
+    wavs.mkdir()
+    soundfile.write(wavs / "stop-1.wav", say("stop", 0.3, 0.3), RATE)
+    (wavs / "tense-[b].m4a").touch()
+    wanted = dataclasses.replace(asked(tmp_path / "profiles"), wavs=wavs)
+    with pytest.raises(VoiceError, match="too few takes"):
+        enroll(load_voice_config(), wanted)
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "tense-[b].m4a is left out: its ending is '.m4a', allowed: .wav, " in printed
+    assert "stop-1.wav: good 1 takes kept" in printed
 
 
 def test_the_threads_of_the_settings_hold_before_anything_is_computed(tmp_path, monkeypatch):

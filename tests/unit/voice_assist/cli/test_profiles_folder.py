@@ -11,8 +11,13 @@ from voice_assist.cli import enroll as enroll_module
 from voice_assist.cli.main import main
 from voice_assist.config import CONFIG_DIR
 from voice_assist.profile.profile import ENV, create_profile, open_profile
+from voice_assist.recognizer.embedded import EmbeddedRecognizer
 
 PLACES = ("set", "given", "environment")
+
+
+class Adaptable(FakeRecognizer, EmbeddedRecognizer):
+    """Could be adapted; no test does."""
 
 
 @pytest.fixture
@@ -81,6 +86,31 @@ def test_nothing_is_asked_about_a_profile_that_is_not_there(profiles, capsys, na
     assert shown.out == "" and words.format(folder) in shown.err
 
 
+def test_nothing_is_asked_about_a_folder_of_other_files(profiles, capsys):
+    letter = profiles / "set" / "documents" / "letter.txt"
+    letter.parent.mkdir()
+    letter.touch()
+    shown = refused(capsys, "profiles", "delete", "documents", "--profiles", profiles / "set")
+    assert shown.out == "" and "documents holds 'letter.txt' and no profile, allowed" in shown.err
+    assert letter.exists()
+
+
+def test_a_damaged_profile_or_an_odd_folder_does_not_end_the_list(profiles, capsys):
+    folder = profiles / "set"
+    (folder / "set").rename(folder / "set.old")
+    for name in ("ada", "zoe"):
+        create_profile(name, "ab" * 32, folder)
+    damaged = folder / "ada" / "profile.json"
+    damaged.write_text(damaged.read_text().replace('"recording"', '"[/odd]"'))
+    with pytest.raises(SystemExit) as ended:
+        main(["profiles", "list", "--profiles", str(folder)])
+    assert not ended.value.code
+    first, *lines = capsys.readouterr().out.splitlines()
+    assert first.startswith("2 profiles in")
+    assert lines[0].startswith("ada ") and "profile.json is damaged" in " ".join(lines)
+    assert lines[-1].split() == ["zoe", "recording,", "0", "takes"]
+
+
 def test_a_question_without_an_answer_deletes_nothing(profiles, capsys, monkeypatch):
     monkeypatch.setattr("sys.stdin", io.StringIO(""))
     folder = profiles / "set"
@@ -92,9 +122,7 @@ def test_a_question_without_an_answer_deletes_nothing(profiles, capsys, monkeypa
 
 @pytest.mark.parametrize("verb", [["profiles", "list"], ["enroll", "ada"]])
 def test_a_file_is_no_folder_of_profiles(tmp_path, capsys, monkeypatch, verb):
-    monkeypatch.setattr(
-        "voice_assist.recognizer.load_recognizer", lambda *_, **__: FakeRecognizer()
-    )
+    monkeypatch.setattr("voice_assist.recognizer.load_recognizer", lambda *_, **__: Adaptable())
     (tmp_path / "file").write_text("")
     shown = refused(capsys, *verb, "--profiles", tmp_path / "file")
     assert f"profiles in '{tmp_path / 'file'}': it is no folder; allowed" in shown.err

@@ -12,6 +12,7 @@ import pytest
 from tests.unit.voice_assist.support.records import take as good_take
 from voice_assist.config import load_voice_config
 from voice_assist.config.enrolment import load_enrolment_config
+from voice_assist.enrolment.adapt import Adapted
 from voice_assist.enrolment.build import _of_commands as of_commands
 from voice_assist.enrolment.build import _require_takes as require_takes
 from voice_assist.enrolment.build import build
@@ -19,9 +20,10 @@ from voice_assist.enrolment.learn import EnrolmentMaterial, LabelledTake
 from voice_assist.enrolment.pipeline_probe import PipelineProbe
 from voice_assist.enrolment.takes.checks import TakeCheck
 from voice_assist.enrolment.takes.script import EnrolmentScript, EnrolmentStep
+from voice_assist.profile import spellings
 from voice_assist.profile.active import PersonalRecognizer, personalise
 from voice_assist.profile.manifest import ACTIVE, COMMAND, REFUSED, TALK
-from voice_assist.profile.profile import VoiceProfileError, create_profile
+from voice_assist.profile.profile import VoiceProfileError, create_profile, open_profile
 from voice_assist.training.data.voices import HELD_OUT_ACCENT, Prompt, speak
 from voice_assist.types import RATE
 
@@ -30,6 +32,7 @@ pytestmark = [
     pytest.mark.timeout(1200),  # [s] for a busy machine
 ]
 
+MODULE = "voice_assist.enrolment.build"
 VOICE = f"{HELD_OUT_ACCENT}+Alex"
 PHRASES = ("hey robot", "pull more", "pull less", "stop")  # of all commands, to be quick
 TALKED = ("where is the trocar", "we are almost done", "thank you")
@@ -87,6 +90,8 @@ def test_a_profile_of_good_takes_is_active_with_report_and_thresholds(profile, v
     assert report["talk"] == {"pieces": 3, "taken_by_base": 0, "taken_by_profile": 0}
     assert [e["phrase"] for e in report["expected"]] == list(voice.commands.phrases)
     assert "Active." in profile.read("report.md").decode()
+    assert spellings.from_bytes(profile.read("spellings.json")) is not None
+    assert profile.has("voiceprint.npz")
 
 
 def test_with_the_profile_commands_are_taken_and_talk_does_nothing(profile, voice, base):
@@ -100,6 +105,23 @@ def test_with_the_profile_commands_are_taken_and_talk_does_nothing(profile, voic
     assert said == {phrase: (phrase,) for phrase in voice.commands.phrases}
     heard = {text: probe(spoken(text)).taken for text in TALK_NOT_ENROLLED}
     assert heard == dict.fromkeys(heard, ())
+
+
+@pytest.mark.parametrize("breaks", ["learn", "hear_spellings", "SelfCheck.__call__"])
+def test_learning_anew_that_is_broken_off_leaves_an_active_profile_as_it_was(
+    profile, voice, config, base, monkeypatch, breaks
+):
+    def broken_off(*_):
+        raise KeyboardInterrupt
+
+    folder, before = profile.folder.parent, profile.digest
+    monkeypatch.setattr(f"{MODULE}.others_for", lambda *_: [])
+    monkeypatch.setattr(f"{MODULE}.learn", lambda *_: Adapted({}, 0.0))
+    monkeypatch.setattr(f"{MODULE}.{breaks}", broken_off)
+    with pytest.raises(KeyboardInterrupt):
+        build(open_profile("ada", folder), voice, config, base)
+    assert open_profile("ada", folder).digest == before
+    assert profile.manifest.state == ACTIVE
 
 
 def test_a_profile_of_wrong_words_is_refused_and_names_them(profile, voice, config, base):

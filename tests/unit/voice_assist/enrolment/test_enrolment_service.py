@@ -21,8 +21,10 @@ from voice_assist.enrolment.takes.checks import TakeCheck
 from voice_assist.enrolment.takes.from_session import COLUMNS, Uncorrected, read_takes
 from voice_assist.enrolment.takes.script import EnrolmentScript
 from voice_assist.errors import ManifestError
+from voice_assist.profile.deletion import delete_profile
 from voice_assist.profile.manifest import COMMAND, TALK
-from voice_assist.profile.profile import create_profile, delete_profile, open_profile
+from voice_assist.profile.profile import VoiceProfileError, create_profile, open_profile
+from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.types import FULL_SCALE
 
 VOICE = load_voice_config()
@@ -44,7 +46,9 @@ class Room:
         return heard(self.said.pop(0))
 
 
-class Base(FakeRecognizer):
+class Base(FakeRecognizer, EmbeddedRecognizer):
+    """Could be adapted; no test does."""
+
     model_hash = "ab" * 32
 
 
@@ -145,13 +149,19 @@ def test_nothing_is_recorded_while_commands_move_the_robot(service, room, tmp_pa
     [
         ("ada", "sing", "action 'sing', allowed: next, record, learn"),
         ("../ada", "next", "profile name"),
-        ("ada", "learn", "recogniser 'fake' cannot be adapted, allowed: the embedded model"),
+        ("ada", "learn", "too few takes of 'hey robot' 0, "),
     ],
 )
 def test_what_cannot_be_done_is_named(service, name, action, message):
     result = service(name, action)
     assert not result.success
     assert message in result.message
+
+
+def test_a_recogniser_that_cannot_be_adapted_is_refused_before_anything_is_recorded(room, tmp_path):
+    words = "recogniser 'fake' cannot be adapted, allowed: the embedded model"
+    with pytest.raises(VoiceProfileError, match=words):
+        EnrolmentService(VOICE, CONFIG, FakeRecognizer(), tmp_path, room.listen, lambda: False)
 
 
 # --- recorded sessions
@@ -203,17 +213,29 @@ def test_a_session_that_was_corrected_becomes_takes_once_and_no_other(tmp_path, 
 @pytest.mark.parametrize(
     ("lines", "words"),
     [
-        ("number,said\n1,banana\n", r"row 2: said 'banana', allowed: hey robot, .*, or nothing"),
-        ("number,said\n1,\n5,stop\n", "row 3: number '5', allowed: 1 to 4"),
-        ("number,said\none,stop\n", "row 2: number 'one', allowed: 1 to 4"),
-        ("number,heard\n1,stop\n", "no column 'said'; columns are: number, heard"),
-        ("number,said\n", "said.csv: the column said is empty; write a command or talk there"),
-        ("number,said\n1,\n", "said.csv: the column said is empty"),
+        ("1,0,0.85,banana\n", r"row 2: said 'banana', allowed: hey robot, .*, or nothing"),
+        ("1,,,\n5,,,stop\n", "row 3: number '5', allowed: 1 to 4"),
+        ("one,,,stop\n", "row 2: number 'one', allowed: 1 to 4"),
+        ("1,0,0.85,stop\n2,7.00,0.85,stop\n", r"row 3: time '7.00', allowed: 1.00, as in .*mcap"),
+        ("1,0,0.86,stop\n", "row 2: seconds '0.86', allowed: 0.85, as in .*mcap; was it written"),
+        ("1,,0.85,stop\n", "row 2: time '', allowed: 0.00"),
+        ("", "said.csv: the column said is empty; write a command or talk there"),
+        ("1,,,\n", "said.csv: the column said is empty"),
     ],
 )
 def test_a_correction_that_cannot_be_used_is_refused(tmp_path, reader, lines, words):
     path = tmp_path / "said.csv"
-    path.write_text(lines)
+    path.write_text(f"number,time,seconds,said\n{lines}")
+    with pytest.raises(ManifestError, match=words):
+        read_takes(tmp_path / "session.mcap", path, PHRASES, reader)
+
+
+@pytest.mark.parametrize("column", ["number", "time", "seconds", "said"])
+def test_corrections_without_a_column_are_refused(tmp_path, reader, column):
+    columns = [name for name in ("number", "time", "seconds", "said") if name != column]
+    path = tmp_path / "said.csv"
+    path.write_text(f"{','.join(columns)}\n1,0,stop\n")
+    words = f"no column '{column}'; columns are: {', '.join(columns)}"
     with pytest.raises(ManifestError, match=words):
         read_takes(tmp_path / "session.mcap", path, PHRASES, reader)
 

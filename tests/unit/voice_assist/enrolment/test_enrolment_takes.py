@@ -15,7 +15,7 @@ from voice_assist.config.enrolment import load_enrolment_config
 from voice_assist.enrolment.takes.checks import TakeCheck
 from voice_assist.enrolment.takes.from_files import find_recordings, read_recordings
 from voice_assist.enrolment.takes.recording import record
-from voice_assist.enrolment.takes.script import GOOD, UNLIKE, EnrolmentScript
+from voice_assist.enrolment.takes.script import GOOD, UNLIKE, EnrolmentScript, RecordedTake
 from voice_assist.errors import AudioError, ManifestError
 from voice_assist.profile.manifest import COMMAND, ROOM, TALK
 from voice_assist.profile.profile import create_profile, open_profile
@@ -210,6 +210,42 @@ def test_a_recording_of_no_command_is_named(tmp_path):
         find_recordings(folder, COMMANDS.phrases)
     with pytest.raises(ManifestError, match="no such folder"):
         find_recordings(tmp_path / "none", COMMANDS.phrases)
+
+
+def test_all_that_stands_behind_the_first_hyphen_says_nothing(tmp_path):
+    for name in ("pull_more-2024-11-03.wav", "hey_robot-a-b.WAV", "stop.wav"):
+        write(tmp_path, name, said("now"))
+    found = find_recordings(tmp_path, COMMANDS.phrases)
+    assert [r.phrase for r in found] == ["hey robot", "pull more", "stop"]
+
+
+def test_a_file_that_is_left_out_is_named_with_the_reason(tmp_path):
+    for name in ("talk-1.aiff", "-1.wav"):
+        write(tmp_path, name, said("now"))
+    (tmp_path / "tense-1.m4a").touch()
+    (tmp_path / "old").mkdir()
+    endings = r"allowed: \.wav, \.flac, \.ogg, \.opus, \.mp3"
+    reasons = (
+        r"-1\.wav is left out: no command stands in front of its hyphen",
+        r"old is left out: it is no file",
+        rf"talk-1\.aiff is left out: its ending is '\.aiff', {endings}",
+        rf"tense-1\.m4a is left out: its ending is '\.m4a', {endings}",
+    )
+    left_out = []
+    with pytest.raises(ManifestError, match="no recordings in it, allowed: names such as pull_mo"):
+        find_recordings(tmp_path, COMMANDS.phrases, left_out.append)
+    write(tmp_path, "stop-1.wav", said("stop"))
+    (found,) = find_recordings(tmp_path, COMMANDS.phrases, left_out.append)
+    assert found.path.name == "stop-1.wav"
+    assert len(left_out) == 2 * len(reasons)
+    assert all(map(re.fullmatch, reasons * 2, left_out)), left_out
+
+
+def test_what_nobody_can_read_in_the_name_of_a_recording_is_replaced(profile):
+    recorded = RecordedTake("st\u200eop\udcff-1.wav", COMMAND, "stop", said("stop"))
+    assert session(profile).take_over([recorded], lambda *_: None) == 1
+    (take,) = open_profile("ada", profile.folder.parent).manifest.takes
+    assert take.source == "st?op?-1.wav"
 
 
 def test_a_take_with_a_gap_is_not_recorded():

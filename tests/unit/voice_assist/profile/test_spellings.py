@@ -7,7 +7,6 @@ import pytest
 
 from tests.unit.voice_assist.support.fake_pipeline import decisions, hear
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, say
-from tests.unit.voice_assist.support.records import take
 from typed_config import load_config, load_yaml
 from voice_assist.config import CONFIG_DIR, CommandsConfig, load_voice_config
 from voice_assist.errors import VoiceError
@@ -15,9 +14,13 @@ from voice_assist.intent.confusability import closest_pairs
 from voice_assist.intent.mapper import Mapper
 from voice_assist.profile import spellings
 from voice_assist.profile.manifest import to_bytes
-from voice_assist.profile.profile import create_profile
-from voice_assist.profile.spellings import MAX_SPELLINGS, learn_spellings, overlay
-from voice_assist.types import Call, Match, NoMatch, frozen_samples
+from voice_assist.profile.spellings import (
+    MAX_SPELLINGS,
+    hear_spellings,
+    learn_spellings,
+    overlay,
+)
+from voice_assist.types import Call, Match, NoMatch
 
 ENDOSCOPE = load_config(CommandsConfig, load_yaml(CONFIG_DIR / "endoscope_commands.yaml"))
 GERMAN = load_config(CommandsConfig, load_yaml(CONFIG_DIR / "commands_de.yaml"))
@@ -107,14 +110,12 @@ def test_what_was_learned_for_a_command_that_is_gone_is_left_out():
     assert overlay(others, found).phrases == others.phrases
 
 
-def test_a_profile_learns_from_its_own_takes(tmp_path):
-    profile = create_profile("anna", "0" * 64, tmp_path)
-    for phrase, text in (("tense", "mumble please"), ("release", "release")):
-        for _ in range(2):
-            profile.add_take(frozen_samples(say(text)), take(phrase))
+def test_spellings_are_learned_from_takes():
+    said = [("tense", "mumble please"), ("release", "release")] * 2
+    takes = [(phrase, say(text)) for phrase, text in said]
     commands = load_voice_config().commands
-    assert spellings.put_spellings(profile, FakeRecognizer(), commands) == ()
-    found = spellings.from_bytes(profile.read(spellings.NAME))
+    found, refused = hear_spellings(takes, FakeRecognizer(), commands)
+    assert refused == ()
     assert [(s.phrase, s.learned) for s in found.commands] == [("tense", ("mumble please",))]
 
 

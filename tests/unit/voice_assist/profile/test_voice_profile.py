@@ -2,7 +2,9 @@
 """Profiles: who may read them, what damage is noticed, and that deleting leaves nothing."""
 
 import json
+import math
 import stat
+from dataclasses import replace
 from pathlib import Path
 from unittest.mock import Mock
 
@@ -15,7 +17,6 @@ from voice_assist.profile.manifest import ACTIVE, RECORDING, REFUSED
 from voice_assist.profile.profile import (
     VoiceProfileError,
     create_profile,
-    delete_profile,
     names,
     open_profile,
     profiles_folder,
@@ -142,13 +143,36 @@ def test_a_refusal_keeps_its_reasons(profile):
         profile.judge(ACTIVE, ("but why?",))
 
 
-def test_deleting_leaves_nothing_even_of_a_damaged_profile(profile):
-    (profile.folder / "profile.json").write_bytes(b"\x00")
-    assert delete_profile("ada", profile.folder.parent) == 4
-    assert not profile.folder.exists()
-    assert names(profile.folder.parent) == []
-    with pytest.raises(VoiceProfileError, match="no profile 'ada'"):
-        delete_profile("ada", profile.folder.parent)
+def test_a_folder_of_other_files_is_not_taken_over(tmp_path):
+    folder = tmp_path / "documents"
+    folder.mkdir(mode=0o755)
+    (folder / "letter.txt").touch()
+    words = r"documents holds 'letter.txt' and no profile, allowed: .* or an empty one"
+    with pytest.raises(VoiceProfileError, match=words):
+        create_profile("documents", BASE, tmp_path)
+    assert [path.name for path in folder.iterdir()] == ["letter.txt"]
+    assert stat.S_IMODE(folder.stat().st_mode) == 0o755
+
+
+def test_a_folder_whose_name_no_profile_can_have_is_none(profile):
+    root = profile.folder.parent
+    for name in ("ada.old", "none", "Ada"):
+        (root / name).mkdir()
+        (root / name / "profile.json").touch()
+    assert names(root) == ["ada"]
+
+
+def test_what_could_not_be_read_again_is_not_written(profile):
+    before = sorted(profile.folder.rglob("*"))
+    odd = replace(take(), source="stop\u200e.wav")
+    with pytest.raises(VoiceProfileError, match=r"'ada'.*takes\[2\].source is .*printable text"):
+        profile.add_take(np.zeros(1600, np.float32), odd)
+    with pytest.raises(VoiceProfileError, match=r"why\[0\] is .*printable text"):
+        profile.judge(REFUSED, ("takes: \x07",))
+    with pytest.raises(VoiceProfileError, match="nan"):
+        profile.add_take(np.zeros(1600, np.float32), replace(take(), snr_db=math.nan))
+    assert sorted(profile.folder.rglob("*")) == before
+    assert open_profile("ada", profile.folder.parent).digest == profile.digest
 
 
 def test_the_folder_is_the_users_own_unless_another_is_given(monkeypatch, tmp_path):

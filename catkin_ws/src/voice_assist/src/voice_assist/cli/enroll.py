@@ -7,13 +7,13 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 
 from voice_assist.config import VoiceConfig
 from voice_assist.config.commands import CommandsConfig
 from voice_assist.config.enrolment import EnrolmentConfig, load_enrolment_config
-from voice_assist.config.profile import require_name
 from voice_assist.enrolment.takes.checks import Checked, TakeCheck
 from voice_assist.enrolment.takes.script import (
     EnrolmentScript,
@@ -23,17 +23,21 @@ from voice_assist.enrolment.takes.script import (
 )
 from voice_assist.errors import ManifestError
 from voice_assist.intent.confusability import closest_pairs
+from voice_assist.profile.deletion import delete_profile, folder_to_delete
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.profile.profile import (
     VoiceProfile,
     VoiceProfileError,
     create_profile,
-    delete_profile,
+    missing_profile,
     names,
     open_profile,
     profiles_folder,
 )
 from voice_assist.recognizer.recognizer import Recognizer
+
+if TYPE_CHECKING:  # it takes time to load
+    from voice_assist.recognizer.embedded import EmbeddedRecognizer
 
 
 @dataclass(frozen=True)
@@ -56,15 +60,17 @@ def enroll(voice: VoiceConfig, asked: EnrolRequest, ask: Callable[[str], str] = 
         VoiceError: Something of it cannot be used; says what.
     """
     from voice_assist.assembly import limit_torch
+    from voice_assist.enrolment.build import require_adaptable
     from voice_assist.recognizer import load_recognizer
 
     require_letters(voice.commands.fixed_phrases)
-    console, config = Console(), load_enrolment_config(asked.settings)
+    console, config = _console(), load_enrolment_config(asked.settings)
     _warn_of_alikes(voice.commands, console)
-    recorded = _recorded(asked, config.session_reader, voice.commands.fixed_phrases)
+    recorded = _recorded(asked, config.session_reader, voice.commands.fixed_phrases, console)
     limit_torch(voice)
     recognizer = voice.recognizer  # whose device may be another: learning needs none
-    base = load_recognizer(recognizer.model, precision=recognizer.precision)
+    loaded = load_recognizer(recognizer.model, precision=recognizer.precision)
+    base = require_adaptable(loaded)  # before anybody takes the trouble to record
     profile = _open_or_create(asked, base)
     check = TakeCheck(config.checks, voice.commands, base)
     script = EnrolmentScript(profile, config, voice.commands.fixed_phrases, check)
@@ -72,7 +78,7 @@ def enroll(voice: VoiceConfig, asked: EnrolRequest, ask: Callable[[str], str] = 
 
         def show_checked(name: str, checked: Checked) -> None:
             problems = "; ".join(checked.problems) or "good"
-            console.print(f"{Path(name).name}: {problems}", highlight=False)
+            console.print(f"{Path(name).name}: {problems}")
 
         console.print(f"{script.take_over(recorded, show_checked)} takes kept")
     elif not asked.again:
@@ -91,7 +97,7 @@ def manage(action: str, name: str | None, folder: Path | None, sure: bool) -> in
         raise VoiceProfileError(f"profiles {action} needs the name of a profile, there: {known}")
     if action == "delete" and name is not None:
         return delete(name, folder, sure)
-    show_profiles(folder, name if action == "show" else None, Console())
+    show_profiles(folder, name if action == "show" else None, _console())
     return 0
 
 
@@ -106,15 +112,15 @@ def show_profiles(folder: Path | None, name: str | None, console: Console) -> No
         _show(open_profile(name, root), console)
         return
     found = names(root)
-    console.print(f"{len(found)} profiles in {root}", highlight=False)
+    console.print(f"{len(found)} profiles in {root}")
     for one in found:
         try:
             manifest = open_profile(one, root).manifest
             why = f": {'; '.join(manifest.why)}" if manifest.why else ""
             takes = f"{len(manifest.takes)} takes"
-            console.print(f"{one:20} {manifest.state}, {takes}{why}", highlight=False)
+            console.print(f"{one:20} {manifest.state}, {takes}{why}")
         except VoiceProfileError as error:
-            console.print(f"{one:20} cannot be used: {error}", highlight=False)
+            console.print(f"{one:20} cannot be used: {error}")
 
 
 def delete(name: str, folder: Path | None, sure: bool, ask: Callable[[str], str] = input) -> int:
@@ -122,14 +128,13 @@ def delete(name: str, folder: Path | None, sure: bool, ask: Callable[[str], str]
 
     Raises:
         ConfigError: The name cannot be used.
-        VoiceProfileError: There is none of that name, it cannot be removed, or nobody answers.
+        VoiceProfileError: There is none of that name, the folder holds something else, it cannot be
+            removed, or nobody answers.
     """
     root = profiles_folder(folder)
-    require_name(name)
-    if not (root / name).is_dir():
-        raise _missing(name, root)
+    place = folder_to_delete(name, root)
     try:
-        is_sure = sure or ask(f"Delete {root / name} with all its recordings? [y/N] ") in ("y", "Y")
+        is_sure = sure or ask(f"Delete {place} with all its recordings? [y/N] ") in ("y", "Y")
     except EOFError as error:
         print()  # ends the line of the question
         words = "no answer; nothing was deleted (--yes deletes without a question)"
@@ -146,17 +151,17 @@ def _open_or_create(asked: EnrolRequest, base: Recognizer) -> VoiceProfile:
     if asked.name in names(root):
         return open_profile(asked.name, root)
     if asked.again:
-        raise _missing(asked.name, root)
+        raise missing_profile(asked.name, root)
     return create_profile(asked.name, base.model_hash, root)
 
 
-def _missing(name: str, root: Path) -> VoiceProfileError:
-    known = ", ".join(names(root)) or "none"
-    return VoiceProfileError(f"no profile {name!r} in {root}, there: {known}")
+def _console() -> Console:
+    """Prints words as they are: in a name or an error, brackets are no markup."""
+    return Console(markup=False, highlight=False)
 
 
 def _recorded(
-    asked: EnrolRequest, reader: str, phrases: tuple[str, ...]
+    asked: EnrolRequest, reader: str, phrases: tuple[str, ...], console: Console
 ) -> Iterable[RecordedTake] | None:
     """The recordings that were named, all found already; None: none were named.
 
@@ -168,7 +173,9 @@ def _recorded(
     if asked.corrections is not None and asked.session is None:
         raise ManifestError("--corrections needs --from-session")
     if asked.wavs is not None:
-        found = from_files.find_recordings(asked.wavs, phrases)
+        found = from_files.find_recordings(
+            asked.wavs, phrases, lambda note: console.print(note, style="yellow")
+        )
         return from_files.read_recordings(found)
     if asked.session is not None:
         return from_session.read_takes(asked.session, asked.corrections, phrases, reader)
@@ -180,7 +187,7 @@ def _warn_of_alikes(commands: CommandsConfig, console: Console) -> None:
     for pair in closest_pairs(commands):
         if pair.verdict == "apart":
             return  # those that follow are further apart
-        console.print(f"warning: {pair.words}", style="yellow", highlight=False)
+        console.print(f"warning: {pair.words}", style="yellow")
 
 
 def _guide(
@@ -205,7 +212,7 @@ def _guide(
 
     def report(trouble: str) -> None:
         if trouble:
-            console.print(trouble, style="yellow", highlight=False)
+            console.print(trouble, style="yellow")
 
     source = make_source(voice.audio, time.time, pause, report)
     console.print("Ctrl-C breaks it off; the same command goes on from there.", style="dim")
@@ -216,20 +223,20 @@ def _learn(
     profile: VoiceProfile,
     voice: VoiceConfig,
     config: EnrolmentConfig,
-    base: Recognizer,
+    base: EmbeddedRecognizer,
     console: Console,
 ) -> int:
     from voice_assist.enrolment.build import build
 
     def noted(note: str) -> None:
-        console.print(note, style="yellow", highlight=False)
+        console.print(note, style="yellow")
 
     with console.status("learning") as status:
         problems = build(profile, voice, config, base, status.update, noted)
     if problems:
         console.print(f"Profile {profile.name} was not activated:", style="bold red")
         for problem in problems:
-            console.print(f"  {problem}", highlight=False)
+            console.print(f"  {problem}")
         return 1
     console.print(f"Profile {profile.name} is active: profile:={profile.name}", style="green")
     return 0
@@ -238,13 +245,13 @@ def _learn(
 def _show(profile: VoiceProfile, console: Console) -> None:
     manifest = profile.manifest
     profile.check()
-    console.print(f"{profile.folder}: {manifest.state}, made {manifest.created}", highlight=False)
+    console.print(f"{profile.folder}: {manifest.state}, made {manifest.created}")
     for reason in manifest.why:
-        console.print(f"  {reason}", highlight=False)
-    console.print(f"  SHA-256 {profile.digest}", highlight=False)
+        console.print(f"  {reason}")
+    console.print(f"  SHA-256 {profile.digest}")
     talk = sum(take.seconds for take in manifest.takes if take.kind == TALK)
     phrases = [take.phrase for take in manifest.takes if take.kind == COMMAND]
     said = ", ".join(f"{phrase} {phrases.count(phrase)}" for phrase in dict.fromkeys(phrases))
-    console.print(f"  takes: {said or 'none'}; talk {talk:.0f} s", highlight=False)
+    console.print(f"  takes: {said or 'none'}; talk {talk:.0f} s")
     for file in manifest.files:
-        console.print(f"  {file.name} {file.sha256[:12]}", highlight=False)
+        console.print(f"  {file.name} {file.sha256[:12]}")

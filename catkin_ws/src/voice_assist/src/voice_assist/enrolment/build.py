@@ -12,7 +12,7 @@ from dataclasses import replace
 from voice_assist.config import VoiceConfig
 from voice_assist.config.enrolment import EnrolmentConfig
 from voice_assist.config.profile import NOBODY
-from voice_assist.config.speaker import OFF
+from voice_assist.config.speaker import OFF, SpeakerConfig
 from voice_assist.enrolment import report
 from voice_assist.enrolment.adapt import Adapted
 from voice_assist.enrolment.learn import EnrolmentMaterial, learn, material_of, others_for
@@ -21,11 +21,11 @@ from voice_assist.enrolment.takes.checks import TakeCheck
 from voice_assist.enrolment.voiceprint import put_voiceprint
 from voice_assist.errors import VoiceError
 from voice_assist.evaluation.evaluator import said_once
-from voice_assist.profile import model_file, thresholds
-from voice_assist.profile.active import PersonalRecognizer, with_spellings
+from voice_assist.profile import model_file, spellings, thresholds
+from voice_assist.profile.active import PersonalRecognizer
 from voice_assist.profile.manifest import ACTIVE, RECORDING, REFUSED, to_bytes
 from voice_assist.profile.profile import VoiceProfile, VoiceProfileError
-from voice_assist.profile.spellings import put_spellings
+from voice_assist.profile.spellings import hear_spellings
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.recognizer.recognizer import Recognizer
 from voice_assist.speaker.voiceprint import FILE as VOICEPRINT
@@ -34,15 +34,27 @@ MIN_TAKES = 3  # takes of each command
 Report = Callable[[str], None]  # takes a line of text
 
 
+def require_adaptable(base: Recognizer) -> EmbeddedRecognizer:
+    """The recogniser, if profiles can be made on top of it.
+
+    Raises:
+        VoiceProfileError: It cannot be adapted.
+    """
+    if not isinstance(base, EmbeddedRecognizer):
+        allowed = "the embedded model, or one trained by make train"
+        raise VoiceProfileError(f"recogniser {base.name!r} cannot be adapted, allowed: {allowed}")
+    return base
+
+
 def build(
     profile: VoiceProfile,
     voice: VoiceConfig,
     config: EnrolmentConfig,
-    base: Recognizer,
+    base: EmbeddedRecognizer,
     on_progress: Report = lambda _: None,
     on_note: Report = lambda _: None,
 ) -> tuple[str, ...]:
-    """Learn from the takes of a profile.
+    """Learn from the takes of a profile; whatever fails before it is written leaves it as it was.
 
     Args:
         profile: With all its takes.
@@ -56,29 +68,32 @@ def build(
         Why the profile was refused; empty: it is active.
 
     Raises:
-        VoiceProfileError: Takes are missing or damaged, or the base cannot be adapted.
+        VoiceProfileError: Takes are missing or damaged, or the profile cannot be written.
         ModelError: espeak-ng, whose voices are learned beside the person's, is not installed.
     """
-    if not isinstance(base, EmbeddedRecognizer):
-        allowed = "the embedded model, or one trained by make train"
-        raise VoiceProfileError(f"recogniser {base.name!r} cannot be adapted, allowed: {allowed}")
     material = _of_commands(material_of(profile), voice.commands.fixed_phrases, on_note)
     _require_takes(material, voice.commands.fixed_phrases, config)
     wall, cpu = time.monotonic(), time.process_time()
-    profile.rebase(base.model_hash)
-    profile.judge(RECORDING)
     voice, check = _plain(voice), TakeCheck(config.checks, voice.commands, base)
     check_all = SelfCheck(voice, config, base, on_progress)
-    learned, verdict = None, SelfCheckResult(wrong_words=wrong_words(material, check))
+    learned = spelled = None
+    verdict = SelfCheckResult(wrong_words=wrong_words(material, check))
     if not verdict.wrong_words:
         on_progress("other voices")
         others = others_for(voice.commands.fixed_phrases, config.adapt)
         on_progress("learning")
         learned = learn(base, material, others, config.adapt)
         personal = PersonalRecognizer(base, learned.state)
-        _learn_more(profile, voice, personal, on_note)
-        verdict = check_all(material, with_spellings(voice, profile), personal, others)
+        spelled, refused = hear_spellings(material.said, personal, voice.commands)
+        for one in refused:
+            on_note(f"{one.phrase!r} written as {one.spelling!r} is not learned: {one.why}")
+        verdict = check_all(material, spelled, personal, others)
     problems = verdict.problems(config)
+    profile.rebase(base.model_hash)
+    profile.judge(RECORDING)
+    if spelled is not None:
+        profile.put(spellings.NAME, to_bytes(spelled))
+        _put_voiceprint(profile, voice.speaker, on_note)
     spent = time.monotonic() - wall, time.process_time() - cpu
     effort = report.Effort(learned.seconds if learned else 0.0, *spent, _memory())
     _write(profile, learned, verdict, problems, effort)
@@ -96,14 +111,10 @@ def _plain(voice: VoiceConfig) -> VoiceConfig:
     return said_once(plain)
 
 
-def _learn_more(
-    profile: VoiceProfile, voice: VoiceConfig, personal: Recognizer, on_note: Report
-) -> None:
-    """Spellings, and the voiceprint of the speaker gate; the profile serves without it, too."""
-    for refused in put_spellings(profile, personal, voice.commands):
-        on_note(f"{refused.phrase!r} written as {refused.spelling!r} is not learned: {refused.why}")
+def _put_voiceprint(profile: VoiceProfile, config: SpeakerConfig, on_note: Report) -> None:
+    """The voiceprint of the speaker gate; the profile serves without it, too."""
     try:
-        known = put_voiceprint(profile, voice.speaker)
+        known = put_voiceprint(profile, config)
     except VoiceError as error:
         profile.drop(VOICEPRINT)
         on_note(f"no voiceprint, so the speaker gate cannot be used: {error}")

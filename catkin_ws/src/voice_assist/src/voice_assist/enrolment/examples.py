@@ -94,21 +94,23 @@ def broken_off(model: WhisperCtc, example: Example, rng: Generator) -> Example |
     return Example(sound, example.text[:kept].strip())
 
 
-def other_voices(phrases: Sequence[str], count: int, seed: int) -> list[Example]:
+def other_voices(
+    phrases: Sequence[str], count: int, seed: int, *, are_held_out: bool = False
+) -> list[Example]:
     """What must not be forgotten: commands, near misses and talk by voices of espeak-ng.
-
-    They are among those that the base was trained on.
 
     Args:
         phrases: Of the commands.
         count: How many examples.
         seed: The same seed gives the same examples.
+        are_held_out: By variants of voices that the base was not trained on; else by its own.
 
     Raises:
-        ModelError: espeak-ng is not installed.
+        ModelError: As `espeak_variants`.
     """
     rng = Random(seed)
-    variants, _ = espeak_variants()
+    trained, held_out = espeak_variants()
+    variants = held_out if are_held_out else trained
     near = (*texts.NEAR_MISSES, *texts.HARD)
     said = [phrases[i % len(phrases)] for i in range(count // 3)]
     said += [rng.choice(near) for _ in range(count // 2)]

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -38,6 +38,11 @@ class EnrolmentMaterial:
 
     takes: tuple[LabelledTake, ...]  # of commands
     talk: tuple[LabelledTake, ...]
+
+    @property
+    def said(self) -> Iterator[tuple[str, Samples]]:
+        """Phrase and sound of each take."""
+        return ((take.phrase, take.samples) for take in self.takes)
 
     @property
     def talked(self) -> float:

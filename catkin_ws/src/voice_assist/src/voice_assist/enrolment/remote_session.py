@@ -11,7 +11,7 @@ from pathlib import Path
 from typed_config import ConfigError
 from voice_assist.config import VoiceConfig
 from voice_assist.config.enrolment import EnrolmentConfig
-from voice_assist.enrolment.build import build
+from voice_assist.enrolment.build import build, require_adaptable
 from voice_assist.enrolment.takes.checks import TakeCheck
 from voice_assist.enrolment.takes.recording import record
 from voice_assist.enrolment.takes.script import EnrolmentScript, EnrolmentStep
@@ -53,8 +53,12 @@ class EnrolmentService:
             root: Folder of all profiles.
             listen: Gives the sound from now on.
             is_armed: Whether a spoken command would now move the robot.
+
+        Raises:
+            VoiceProfileError: The recogniser cannot be adapted.
         """
-        self._voice, self._config, self._base, self._root = voice, config, base, root
+        self._voice, self._config, self._root = voice, config, root
+        self._base = require_adaptable(base)
         self._listen, self._is_armed = listen, is_armed
         self._check = TakeCheck(config.checks, voice.commands, base)
         self._scripts: dict[str, EnrolmentScript] = {}

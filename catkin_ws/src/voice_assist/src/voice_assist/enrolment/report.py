@@ -73,6 +73,7 @@ def as_markdown(
         f"{own['right_by_base']} of {own['n']} right, profile {own['right_by_profile']}.",
         f"Commands by other voices: base {_counts(others)['right_by_base']} of {len(others)} "
         f"right, profile {_counts(others)['right_by_profile']}.",
+        "The confidences below were chosen on what is counted here, so new takes may do worse.",
         "",
         "Bounds hold with 95 % (Clopper and Pearson; Garwood), so few takes leave them wide.",
         "",
@@ -81,10 +82,14 @@ def as_markdown(
     ]
     lines += [
         f"| {e.phrase} | {e.min_confidence:.2f} | {e.missed} of {e.takes} "
-        f"| {e.miss_at_most:.0%} | {e.false} | {e.false_per_hour_at_most:.0f} |"
+        f"| {e.miss_at_most:.0%} | {e.false} | {_bound(e.false_per_hour_at_most)} |"
         for e in verdict.expected
     ]
     return ("\n".join(lines) + "\n").encode()
+
+
+def _bound(rate: float) -> str:
+    return "unknown" if rate == math.inf else f"{rate:.0f}"
 
 
 def _counts(trials: list[SelfCheckTrial]) -> dict[str, int]:

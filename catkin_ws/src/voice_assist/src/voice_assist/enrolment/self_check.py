@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from voice_assist.config import VoiceConfig
 from voice_assist.config.enrolment import EnrolmentConfig
@@ -19,15 +19,17 @@ from voice_assist.enrolment.thresholds import (
     expected_errors,
 )
 from voice_assist.evaluation.evaluator import ClaimedCommand
+from voice_assist.profile import spellings
 from voice_assist.profile.active import PersonalRecognizer
 from voice_assist.profile.manifest import COMMAND
+from voice_assist.profile.spellings import Spellings, hear_spellings
 from voice_assist.profile.thresholds import Settings, overlay
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.recognizer.vocabulary import spelled
 from voice_assist.types import Samples
 
 HeardTake = tuple[LabelledTake, PipelineResult]
-_OTHER_SEED = 1000  # added to the seed of what is learned from: other texts, other voices
+_OTHER_SEED = 1000  # added to the seed of what is learned from: another choice of texts
 
 
 @dataclass(frozen=True)
@@ -110,12 +112,12 @@ class SelfCheck:
         """
         self._voice, self._config, self._base = voice, config, base
         self._on_progress = on_progress
-        self._base_probe, self._own = PipelineProbe(voice, base), voice
+        self._base_probe = PipelineProbe(voice, base)
 
     def __call__(
         self,
         material: EnrolmentMaterial,
-        own: VoiceConfig,
+        written: Spellings,
         learned: PersonalRecognizer,
         others: Sequence[Example],
     ) -> SelfCheckResult:
@@ -123,13 +125,13 @@ class SelfCheck:
 
         Args:
             material: All takes and talk.
-            own: Settings with what else was learned of the person, such as spellings.
+            written: Spellings of the commands, learned from all takes.
             learned: From all of it.
             others: That were learned beside it.
         """
-        verdict, self._own = SelfCheckResult(), own
+        verdict = SelfCheckResult()
         takes, talk = self._folds(material, others)
-        strangers = self._strangers(learned)
+        strangers = self._strangers(self._probe(learned, written))
         self._set_thresholds(verdict, takes, talk, strangers, material.talked)
         verdict.own = [self._trial(spoken, heard, verdict.settings) for spoken, heard in takes]
         verdict.talk = [self._trial(spoken, heard, verdict.settings) for spoken, heard in talk]
@@ -149,17 +151,23 @@ class SelfCheck:
             if not (rest.takes and (left.takes or left.talk)):
                 continue
             state = learn(self._base, rest, others, self._config.adapt).state
-            probe = PipelineProbe(self._own, PersonalRecognizer(self._base, state))
+            personal = PersonalRecognizer(self._base, state)
+            written, _ = hear_spellings(rest.said, personal, self._voice.commands)
+            probe = self._probe(personal, written)
             own += [(take, probe(take.samples)) for take in left.takes]
             talk += [(piece, probe(piece.samples)) for piece in left.talk]
         return own, talk
 
-    def _strangers(self, learned: PersonalRecognizer) -> list[HeardTake]:
+    def _probe(self, personal: PersonalRecognizer, written: Spellings) -> PipelineProbe:
+        commands = spellings.overlay(self._voice.commands, written)
+        return PipelineProbe(replace(self._voice, commands=commands), personal)
+
+    def _strangers(self, probe: PipelineProbe) -> list[HeardTake]:
+        """What other voices say, which neither training nor adaptation heard."""
         self._on_progress("self-check, other voices")
         phrases = self._voice.commands.fixed_phrases
         seed = self._config.adapt.seed + _OTHER_SEED
-        spoken = other_voices(phrases, self._config.self_check.others, seed)
-        probe = PipelineProbe(self._own, learned)
+        spoken = other_voices(phrases, self._config.self_check.others, seed, are_held_out=True)
         phrase_of = {spelled(phrase): phrase for phrase in phrases}
         cast = [LabelledTake(e.text, phrase_of.get(e.text, ""), e.samples) for e in spoken]
         return [(one, probe(one.samples)) for one in cast]

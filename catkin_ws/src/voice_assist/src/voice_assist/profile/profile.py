@@ -11,7 +11,6 @@ from __future__ import annotations
 import hashlib
 import io
 import os
-import shutil
 import stat
 from contextlib import suppress
 from dataclasses import replace
@@ -23,7 +22,7 @@ import numpy as np
 import soundfile
 
 from typed_config import ConfigError
-from voice_assist.config.profile import require_name
+from voice_assist.config.profile import NAME, NOBODY, require_name
 from voice_assist.errors import VoiceError
 from voice_assist.profile.manifest import (
     FORMAT,
@@ -40,7 +39,8 @@ if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
 
 ENV = "VOICE_ASSIST_PROFILES"
-MANIFEST = "profile.json"
+MANIFEST, TAKES = "profile.json", "takes"
+_LEFTOVER = f".{MANIFEST}.tmp"  # of a profile that was not made to its end
 _FOLDER, _FILE = 0o700, 0o600
 
 
@@ -91,14 +91,13 @@ class VoiceProfile:
             The take as it is on file.
 
         Raises:
-            VoiceProfileError: It cannot be written.
+            VoiceProfileError: It cannot be written, or could not be read again.
         """
         used = [int(take.file[6:10]) for take in self.manifest.takes]
-        name = f"takes/{max(used, default=0) + 1:04d}.wav"
+        name = f"{TAKES}/{max(used, default=0) + 1:04d}.wav"
         data = _wav(samples)
         take = replace(take, file=name, sha256=_digest(data))
-        self._write(name, data)
-        self._save(replace(self.manifest, takes=(*self.manifest.takes, take)))
+        self._save(replace(self.manifest, takes=(*self.manifest.takes, take)), (name, data))
         return take
 
     def put(self, name: str, data: bytes) -> None:
@@ -109,9 +108,8 @@ class VoiceProfile:
             ConfigError: The name is no plain file name.
         """
         file = File(name=name, sha256=hashlib.sha256(data).hexdigest())
-        self._write(name, data)
         others = tuple(f for f in self.manifest.files if f.name != name)
-        self._save(replace(self.manifest, files=(*others, file)))
+        self._save(replace(self.manifest, files=(*others, file)), (name, data))
 
     def drop(self, name: str) -> None:
         """Remove a file of the profile, if it has one of that name."""
@@ -126,6 +124,10 @@ class VoiceProfile:
         Args:
             state: RECORDING, ACTIVE or REFUSED of the manifest.
             why: Reasons of a refusal.
+
+        Raises:
+            VoiceProfileError: It cannot be written, or could not be read again.
+            ConfigError: Reasons are missing, or are none of a refusal.
         """
         self._save(replace(self.manifest, state=state, why=why))
 
@@ -183,9 +185,16 @@ class VoiceProfile:
         for name in [*takes, *(file.name for file in self.manifest.files)]:
             self.read(name)
 
-    def _save(self, manifest: Manifest) -> None:
-        data = to_bytes(manifest)
-        self._write(MANIFEST, data)
+    def _save(self, manifest: Manifest, *files: tuple[str, bytes]) -> None:
+        """Write files, then the manifest that names them; none if it could not be read again."""
+        try:
+            data = to_bytes(manifest)
+            from_bytes(data, MANIFEST)
+        except ValueError as error:
+            words = f"{MANIFEST} is not written, as nobody could read it: {error}"
+            raise VoiceProfileError(f"profile {manifest.name!r}: {words}") from error
+        for name, content in (*files, (MANIFEST, data)):
+            self._write(name, content)
         self.manifest, self.digest = manifest, hashlib.sha256(data).hexdigest()
 
     def _write(self, name: str, data: bytes) -> None:
@@ -206,7 +215,9 @@ class VoiceProfile:
 
 
 def create_profile(name: str, base_sha256: str, root: Path) -> VoiceProfile:
-    """Make an empty profile; a folder of that name that holds none is used for it.
+    """Make an empty profile; a folder of that name is used for it if it is empty.
+
+    What is left in it of a profile that was not made to its end does not count.
 
     Args:
         name: Of the person.
@@ -215,15 +226,17 @@ def create_profile(name: str, base_sha256: str, root: Path) -> VoiceProfile:
 
     Raises:
         ConfigError: The name cannot be used.
-        VoiceProfileError: There is one of that name, or it cannot be written.
+        VoiceProfileError: There is one of that name, the folder holds something else, or it cannot
+            be written.
     """
     require_name(name)
     folder = root / name
     try:
         root.mkdir(mode=_FOLDER, parents=True, exist_ok=True)
-        folder.mkdir(mode=_FOLDER, exist_ok=_is_unfinished(folder))
-        folder.chmod(_FOLDER)
+        _remove_unfinished(folder)
+        folder.mkdir(mode=_FOLDER)
     except FileExistsError as error:
+        require_profile(folder)
         raise VoiceProfileError(f"profile {name!r} exists already in {root}") from error
     except OSError as error:
         raise VoiceProfileError(f"{folder} cannot be made: {error.strerror}") from error
@@ -241,8 +254,7 @@ def create_profile(name: str, base_sha256: str, root: Path) -> VoiceProfile:
     try:
         profile._save(manifest)
     finally:
-        if _is_unfinished(folder):
-            _remove_unfinished(folder)
+        _remove_unfinished(folder)
     return profile
 
 
@@ -256,8 +268,7 @@ def open_profile(name: str, root: Path) -> VoiceProfile:
     require_name(name)
     folder = root / name
     if not folder.is_dir():
-        known = ", ".join(names(root)) or "none"
-        raise VoiceProfileError(f"no profile {name!r} in {root}, there: {known}")
+        raise missing_profile(name, root)
     _require_private(folder, name, _FOLDER)
     data = _read_own(folder / MANIFEST, name)
     try:
@@ -270,30 +281,28 @@ def open_profile(name: str, root: Path) -> VoiceProfile:
 
 
 def names(root: Path) -> list[str]:
-    """All profiles of a folder, sorted."""
-    if not root.is_dir():
-        return []
-    return sorted(path.parent.name for path in root.glob(f"*/{MANIFEST}"))
+    """All profiles of a folder whose names can be used, sorted."""
+    found = (path.parent.name for path in root.glob(f"*/{MANIFEST}"))
+    return sorted(name for name in found if NAME.fullmatch(name) and name != NOBODY)
 
 
-def delete_profile(name: str, root: Path) -> int:
-    """Remove all that a profile holds, readable or not; gives how many files that were.
+def missing_profile(name: str, root: Path) -> VoiceProfileError:
+    """The error where a folder has no profile of a name; names those that it has."""
+    known = ", ".join(names(root)) or "none"
+    return VoiceProfileError(f"no profile {name!r} in {root}, there: {known}")
+
+
+def require_profile(folder: Path) -> None:
+    """Refuse what is no profile, not even a damaged or unfinished one.
 
     Raises:
-        ConfigError: The name cannot be used.
-        VoiceProfileError: There is none, or something of it cannot be removed.
+        VoiceProfileError: It is a folder that holds other files, and neither a manifest nor takes.
     """
-    require_name(name)
-    folder = root / name
-    if folder.is_symlink() or not folder.is_dir():
-        known = ", ".join(names(root)) or "none"
-        raise VoiceProfileError(f"no profile {name!r} in {root}, there: {known}")
-    count = sum(path.is_file() for path in folder.rglob("*"))
-    try:
-        shutil.rmtree(folder)
-    except OSError as error:
-        raise VoiceProfileError(f"{folder} cannot be removed whole: {error}") from error
-    return count
+    there = {path.name for path in folder.iterdir()} if folder.is_dir() else set()
+    if there - {_LEFTOVER} and there.isdisjoint((MANIFEST, TAKES)):
+        found = f"holds {min(there - {_LEFTOVER})!r} and no profile"
+        allowed = f"allowed: a folder with {MANIFEST} or {TAKES}/ in it, or an empty one"
+        raise VoiceProfileError(f"{folder} {found}, {allowed}")
 
 
 def take_digest(samples: Samples) -> str:
@@ -333,16 +342,10 @@ def _read_own(path: Path, name: str) -> bytes:
         raise VoiceProfileError(f"profile {name!r}: {path}: {error.strerror}") from error
 
 
-def _is_unfinished(folder: Path) -> bool:
-    """Whether a folder holds no profile, or is not there."""
-    there = (folder / MANIFEST, folder / "takes")
-    return not folder.is_symlink() and not any(path.exists() for path in there)
-
-
 def _remove_unfinished(folder: Path) -> None:
-    """Remove the folder of a profile that was not made to its end; one that holds more stays."""
+    """Remove the folder of a profile that was not made to its end; any other stays."""
     with suppress(OSError):
-        (folder / f".{MANIFEST}.tmp").unlink(missing_ok=True)
+        (folder / _LEFTOVER).unlink(missing_ok=True)
         folder.rmdir()
 
 

@@ -8,7 +8,7 @@ ziehen" it writes something else, but for one person mostly the same, and that i
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -17,11 +17,11 @@ from voice_assist.config.commands import CommandsConfig
 from voice_assist.errors import CommandsError
 from voice_assist.intent.confusability import objection
 from voice_assist.profile.loudness import speech_of
-from voice_assist.profile.manifest import COMMAND, read_part, to_bytes
+from voice_assist.profile.manifest import read_part
 from voice_assist.text.normalize import is_negated, normalize
+from voice_assist.types import Samples
 
 if TYPE_CHECKING:
-    from voice_assist.profile.profile import VoiceProfile
     from voice_assist.recognizer.recognizer import Recognizer
 
 NAME = "spellings.json"  # in a profile
@@ -88,30 +88,27 @@ def learn_spellings(
     return Spellings(commands=tuple(learned)), tuple(refused)
 
 
-def put_spellings(
-    profile: VoiceProfile, recognizer: Recognizer, commands: CommandsConfig
-) -> tuple[Refused, ...]:
-    """Learn from the takes of a profile, and keep what was learned there.
+def hear_spellings(
+    takes: Iterable[tuple[str, Samples]], recognizer: Recognizer, commands: CommandsConfig
+) -> tuple[Spellings, tuple[Refused, ...]]:
+    """Learn from takes, as a recogniser writes them.
 
     Args:
-        profile: With takes of commands.
+        takes: Phrase and sound of each. Shape (n,), 16 kHz.
         recognizer: As it will hear the person: with the adapted weights, where there are some.
         commands: That exist.
 
     Returns:
-        What was not learned.
+        What was learned, and what was not, with the reason.
 
     Raises:
-        VoiceProfileError: A take cannot be read, or the spellings not be written.
+        KeyError: A phrase is no command.
     """
     written: dict[str, list[str]] = {}
-    for take in profile.manifest.takes:
-        if take.kind == COMMAND and take.phrase in commands.phrases:
-            heard = recognizer.transcribe(speech_of(profile.sound(take), AROUND))
-            written.setdefault(take.phrase, []).append(heard.text)
-    learned, refused = learn_spellings(written, commands)
-    profile.put(NAME, to_bytes(learned))
-    return refused
+    for phrase, samples in takes:
+        heard = recognizer.transcribe(speech_of(samples, AROUND))
+        written.setdefault(phrase, []).append(heard.text)
+    return learn_spellings(written, commands)
 
 
 def overlay(commands: CommandsConfig, spellings: Spellings) -> CommandsConfig:

@@ -3,12 +3,12 @@
 
 Either a file `takes.csv` with the columns `path` and `transcript` says what is in which, or the
 names do: `pull_more-3.wav` is a take of "pull more", `talk-1.wav` is talk, `room-1.wav` the room.
+What stands behind the first hyphen says nothing.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,7 +21,7 @@ from voice_assist.text.normalize import normalize, with_same_words
 from voice_assist.types import RATE
 
 LIST = "takes.csv"
-_NAME = re.compile(r"(?P<said>[^-]+)(-[^-]*)?\.(wav|flac|ogg|opus|mp3)", re.IGNORECASE)
+_ENDINGS = (".wav", ".flac", ".ogg", ".opus", ".mp3")
 _LONGEST = 600.0  # [s] of one recording of talk
 
 
@@ -34,8 +34,15 @@ class Recording:
     phrase: str  # empty where it is no command
 
 
-def find_recordings(folder: Path, phrases: Sequence[str]) -> list[Recording]:
+def find_recordings(
+    folder: Path, phrases: Sequence[str], on_left_out: Callable[[str], None] = lambda _: None
+) -> list[Recording]:
     """What a folder holds, by its list or by the names of its files.
+
+    Args:
+        folder: Of recordings.
+        phrases: Of all commands.
+        on_left_out: Called with each file whose name makes it no recording, and why.
 
     Raises:
         ManifestError: The folder or its list cannot be used, or a file has no known name.
@@ -43,9 +50,10 @@ def find_recordings(folder: Path, phrases: Sequence[str]) -> list[Recording]:
     if not folder.is_dir():
         raise ManifestError(f"{folder}: no such folder")
     listed = folder / LIST
-    pairs = list(_listed(listed) if listed.is_file() else _named(folder))
+    pairs = list(_listed(listed) if listed.is_file() else _named(folder, on_left_out))
     if not pairs:
-        raise ManifestError(f"{folder}: no recordings in it")
+        allowed = f"allowed: names such as pull_more-3.wav or talk-1.wav, or a list {LIST}"
+        raise ManifestError(f"{folder}: no recordings in it, {allowed}")
     return [_recording(path, said, phrases) for path, said in pairs]
 
 
@@ -71,10 +79,18 @@ def _listed(path: Path) -> Iterator[tuple[Path, str]]:
         yield path.parent / name.strip(), transcript.strip() or TALK
 
 
-def _named(folder: Path) -> Iterator[tuple[Path, str]]:
+def _named(folder: Path, on_left_out: Callable[[str], None]) -> Iterator[tuple[Path, str]]:
     for path in sorted(folder.iterdir()):
-        if path.is_file() and (match := _NAME.fullmatch(path.name)):
-            yield path, match["said"].replace("_", " ")
+        said = path.stem.partition("-")[0].replace("_", " ")
+        if not path.is_file():
+            on_left_out(f"{path.name} is left out: it is no file")
+        elif path.suffix.lower() not in _ENDINGS:
+            allowed = f"allowed: {', '.join(_ENDINGS)}"
+            on_left_out(f"{path.name} is left out: its ending is {path.suffix!r}, {allowed}")
+        elif not said:
+            on_left_out(f"{path.name} is left out: no command stands in front of its hyphen")
+        else:
+            yield path, said
 
 
 def _recording(path: Path, said: str, phrases: Sequence[str]) -> Recording:

@@ -49,7 +49,8 @@ def read_takes(
 
     Args:
         session: An MCAP file, or the folder of a session.
-        corrections: CSV with the column `said`; made for filling in where it does not exist.
+        corrections: CSV, made for filling in where it does not exist; its column `said` is what a
+            person wrote, `number`, `time` and `seconds` are as it was made.
         phrases: Of all commands.
         reader: `module:function` that reads recordings.
 
@@ -87,8 +88,8 @@ def _write(path: Path, utterances: Sequence[SpokenUtterance]) -> None:
             table = csv.writer(file)
             table.writerow(COLUMNS)
             for number, one in enumerate(utterances, 1):
-                times = f"{one.time:.2f}", f"{len(one.samples) / RATE:.2f}"
-                table.writerow([number, *times, one.heard, one.command, one.command])
+                row = [number, *_times(one).values(), one.heard, one.command, one.command]
+                table.writerow(row)
     except FileExistsError as error:
         words = f"{path} exists already; name it or another with --corrections"
         raise ManifestError(words) from error
@@ -96,25 +97,43 @@ def _write(path: Path, utterances: Sequence[SpokenUtterance]) -> None:
         raise ManifestError(f"{path} cannot be written: {error.strerror}") from error
 
 
+def _times(one: SpokenUtterance) -> dict[str, str]:
+    """The columns that tell one utterance from those of other sessions."""
+    return {"time": f"{one.time:.2f}", "seconds": f"{len(one.samples) / RATE:.2f}"}
+
+
 def _corrected(
     session: Path, path: Path, utterances: Sequence[SpokenUtterance], phrases: Sequence[str]
 ) -> list[RecordedTake]:
     takes, by_number = [], {str(number): one for number, one in enumerate(utterances, 1)}
-    for row, (number, said) in csv_rows(path, "number", "said"):
+    for row, (number, said, *times) in csv_rows(path, "number", "said", "time", "seconds"):
         words = " ".join(normalize(said))
         if not words:
             continue
         if number.strip() not in by_number:
             allowed = f"allowed: 1 to {len(utterances)}"
             raise ManifestError(f"{path}, row {row}: number {number!r}, {allowed}")
+        one = by_number[number.strip()]
+        for (column, expected), found in zip(_times(one).items(), times, strict=True):
+            if not _is_same(found, expected):
+                allowed = f"allowed: {expected}, as in {session}; was it written for another one?"
+                raise ManifestError(f"{path}, row {row}: {column} {found!r}, {allowed}")
         phrase = with_same_words(said, phrases)
         if words != TALK and not phrase:
             allowed = ", ".join((*phrases, TALK))
             raise ManifestError(f"{path}, row {row}: said {said!r}, allowed: {allowed}, or nothing")
         kind = TALK if words == TALK else COMMAND
-        samples = frozen_samples(np.asarray(by_number[number.strip()].samples, np.int16))
+        samples = frozen_samples(np.asarray(one.samples, np.int16))
         name = f"{session.resolve().parent.name}/{session.name} {number.strip()}"
         takes.append(RecordedTake(name, kind, phrase, samples))
     if not takes:
         raise ManifestError(f"{path}: the column said is empty; write a command or talk there")
     return takes
+
+
+def _is_same(found: str, expected: str) -> bool:
+    """Whether a cell is a number as it was written; a spreadsheet leaves out zeros at its end."""
+    try:
+        return float(found) == float(expected)
+    except ValueError:
+        return False

@@ -165,7 +165,7 @@ def _take(
         kind=step.kind,
         phrase=step.phrase,
         time=now(),
-        source=source,
+        source="".join(c if c.isprintable() else "?" for c in source),
         seconds=len(samples) / RATE,
         level_db=checked.level_db,
         snr_db=checked.snr_db,
