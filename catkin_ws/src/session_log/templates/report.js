@@ -79,17 +79,20 @@ document.querySelectorAll(".zoom").forEach((box) => {
   function curve(track, y) {
     const [low, high] = extremes(track.value.filter((value) => value !== null));
     const at = (value) => y + CURVE - 4 - ((value - low) / (high - low || 1)) * (CURVE - 12);
+    pen.save();
+    pen.beginPath();
+    pen.rect(LEFT, y, width - LEFT, CURVE);
+    pen.clip();
     pen.strokeStyle = "#0072b2";
     pen.beginPath();
     let isBroken = true; // where a value is no number
     track.time.forEach((time, k) => {
-      const value = track.value[k];
-      if (time >= from - 1 && time <= to + 1 && value !== null) {
-        pen[isBroken ? "moveTo" : "lineTo"](Math.max(x(time), LEFT), at(value));
-      }
-      isBroken = value === null;
+      const value = track.value[k], isFar = track.time[k + 1] < from || track.time[k - 1] > to;
+      if (value !== null && !isFar) pen[isBroken ? "moveTo" : "lineTo"](x(time), at(value));
+      isBroken = value === null || isFar;
     });
     pen.stroke();
+    pen.restore();
     pen.fillStyle = "#616e7c";
     pen.fillText(`${track.name}, ${low.toFixed(1)} to ${high.toFixed(1)}`, LEFT + 2, y + 5);
   }

@@ -94,6 +94,40 @@ def test_the_time_axis_goes_by_keys_to_a_row_and_back(tmp_path):
     ]
 
 
+# At which places of the width, from 0 to 1, the picture has something of a curve's colour.
+BLUE_AT = """((places) => {
+    const canvas = document.querySelector('canvas'), {width, height} = canvas;
+    const pixels = canvas.getContext('2d').getImageData(0, 0, width, height).data;
+    return places.map((place) => {
+        const column = 4 * Math.round(place * (width - 1));
+        for (let k = column; k < pixels.length; k += 4 * width) {
+            if (pixels[k] < 60 && pixels[k + 2] > 150) return true;
+        }
+        return false;
+    });
+})([0.02, 0.2, 0.5, 0.98])"""
+
+
+async def of_a_curve(url):
+    """Where it is drawn when the middle half of the time is shown."""
+    async with Browser() as browser:
+        await browser.open(url)
+        await browser.evaluate("document.querySelector('canvas').focus()")
+        await press(browser, "+")
+        return await browser.evaluate(BLUE_AT), browser.errors
+
+
+@pytest.mark.skipif(not find_browser(), reason=MISSING)
+def test_a_curve_leads_to_the_samples_beyond_what_is_shown_and_not_left_of_it(tmp_path):
+    curve = {"name": "tension [N]", "time": [0.0, 45.0, 55.0, 100.0], "value": [1.0, 2.0, 1.5, 3.0]}
+    zoom = {**ZOOM, "bands": [], "marks": [], "curves": [curve]}
+    section = Section("Timeline", image=Image("Timeline", "", b"wide", b"narrow"), zoom=zoom)
+    (tmp_path / "report.html").write_text(page("Session", "", "", {}, [section]), "utf-8")
+    found, errors = asyncio.run(of_a_curve((tmp_path / "report.html").as_uri()))
+    assert not errors
+    assert found == [False, True, True, True]
+
+
 async def on_a_phone(url):
     """Widths of the page and of the table of sessions, and how many of its cells are shown."""
     async with Browser() as browser:

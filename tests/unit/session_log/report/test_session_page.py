@@ -3,6 +3,7 @@
 
 import re
 from dataclasses import replace
+from datetime import datetime
 from html import unescape
 
 import pytest
@@ -42,6 +43,26 @@ def test_stamps_of_another_clock_are_a_warning_with_the_distance(warning_of, beh
 
 def test_stamps_of_one_clock_are_no_warning(warning_of):
     assert warning_of(stamped(0.5)) == ""
+
+
+def test_a_clock_that_is_a_little_off_is_a_warning(warning_of):
+    (message,) = stamped(0.8)
+    later = [message._replace(log_time=message.log_time + k) for k in range(30)]
+    clock = "The clock that stamped /joint_states is 0.8\u00a0s off the recorder's"
+    assert f"{clock}: their times, and latencies, are off by as much." in warning_of(later)
+
+
+def test_a_clock_that_was_set_back_is_named_with_its_zone(warning_of):
+    (message,) = stamped(0.0)
+    words = warning_of([message, message._replace(log_time=message.log_time - 10**10)])
+    zone = datetime.fromtimestamp(message.log_time * 1e-9).astimezone().strftime("%Z")
+    assert words.startswith("The clock was set back") and f" {zone}: times after it" in words
+
+
+def test_a_page_without_an_rcm_error_says_what_was_not_recorded(tmp_path, report_config):
+    session = recording_of(tmp_path / "s.mcap", stamped(0.0))
+    text = write_report(session, tmp_path, report_config).page.read_text("utf-8")
+    assert "No state of the controller was recorded. Not computed from the joint states: " in text
 
 
 def test_a_recording_from_outside_of_the_systems_names_their_namespaces(warning_of):

@@ -4,6 +4,7 @@
 import json
 import math
 
+import numpy as np
 import pytest
 
 from session_log.report.figures import SessionMaterial
@@ -38,3 +39,11 @@ def test_a_long_curve_keeps_its_gaps_and_its_extremes(report_config):
 @pytest.mark.parametrize(("values", "source"), [([0.0], "none"), ([math.nan] * 2, "sensor")])
 def test_what_was_not_measured_has_no_curve(report_config, values, source):
     assert tension_of(report_config, values, source)["time"] == []
+
+
+def test_a_curve_has_a_gap_where_nothing_was_recorded(report_config):
+    data = session(settings("sensor"), tension=[1.0] * 5)
+    data.tension.extend(np.array([0.0, 0.1, 0.2, 9.0, 9.1]), np.ones(5))
+    rcm = rcm_from_joints(data, report_config)
+    _, curve = zoom_data(SessionMaterial(data, [], report_config, rcm, ()), [])["curves"]
+    assert curve["value"] == [1.0, 1.0, 1.0, None, 1.0, 1.0]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the figures show, read back from what was drawn."""
 
+import io
 import math
 from array import array
 from dataclasses import replace
@@ -9,19 +10,23 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import FillBetweenPolyCollection
+from PIL import Image
 
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import RecordingSummary
 from session_log.report.figures import POOL_FIGURES, SessionMaterial
 from session_log.report.figures.joints import JointsFigure
-from session_log.report.figures.rcm import RcmErrorFigure
-from session_log.report.figures.style import NARROW, RED, WIDE, thin
+from session_log.report.figures.loops import LoopsFigure
+from session_log.report.figures.pictures import PicturesFigure
+from session_log.report.figures.rcm import RcmErrorFigure, why_no_error
+from session_log.report.figures.style import NARROW, RED, WIDE, thin, with_gaps
 from session_log.report.figures.tension import TensionFigure
 from session_log.report.figures.timeline import TimelineFigure, timeline_labels
 from session_log.report.pool.pool import Pool
 from session_log.report.session.analysis import command_rows
 from session_log.report.session.extract import extract
-from session_log.report.session.session_data import SampledTable, SessionData, Span
+from session_log.report.session.session_data import RecordedPicture, SampledTable, SessionData, Span
 from session_log.report.session.shaft import rcm_from_joints
 from session_log.report.session.summary import GivenCommand, summarise
 from session_log.report.session.trials import NOTHING, PhraseTrial, trials
@@ -125,6 +130,7 @@ def test_the_axis_of_the_rcm_error_ends_where_rounding_begins(material):
     nothing = SessionData(RecordingSummary(material.data.recording.condition))
     tiny = np.full(5, 1e-18)
     rcm = replace(material.rcm, time=np.arange(5.0), error=tiny, moving=np.ones(5, bool))
+    rcm = replace(rcm, peak_time=np.empty(0), peak=np.empty(0))
     figure = RcmErrorFigure().draw(replace(material, rcm=rcm, data=nothing), WIDE)
     low, high = figure.axes[0].get_ylim()
     assert low == pytest.approx(0.01) and high == pytest.approx(100.0)  # µm
@@ -228,3 +234,80 @@ def test_a_thinned_curve_keeps_its_extremes_and_its_gaps():
     shown, kept = thin(time, value, 100)
     assert np.nanmax(kept) == 5.0 and np.nanmin(kept) == -5.0 and len(kept) <= 102
     assert 500.0 in shown[np.isnan(kept)]
+
+
+def test_a_line_does_not_lead_across_silence():
+    time = np.concatenate([np.arange(0.0, 1.0, 0.02), np.arange(5.0, 6.0, 0.02)])
+    shown, value = with_gaps(time, np.ones(100))
+    assert list(np.flatnonzero(np.isnan(value))) == [50] and len(shown) == 101
+    slow = np.arange(5.0)  # a sensor that reports once a second
+    assert np.isfinite(with_gaps(slow, slow)[1]).all()
+
+
+def silent(material):
+    """The material without what was recorded from 20 to 30 s."""
+    tables = {}
+    for name in ("controller", "tension", "sound"):
+        table = getattr(material.data, name)
+        kept = [table[c][(table["time"] < 20.0) | (table["time"] > 30.0)] for c in table.columns]
+        tables[name] = SampledTable(table.columns)
+        tables[name].extend(*kept)
+    return replace(material, data=replace(material.data, **tables))
+
+
+@pytest.mark.parametrize("drawn", [RcmErrorFigure, TensionFigure])
+def test_curves_have_gaps_where_nothing_was_recorded(material, drawn):
+    (line, *_) = drawn().draw(silent(material), WIDE).axes[0].lines
+    time = line.get_xdata()[np.isnan(line.get_ydata())]
+    assert len(time) == 1 and 19.0 < time[0] <= 20.0
+
+
+def test_the_sound_of_the_timeline_has_gaps_where_nothing_was_recorded(material):
+    figure = TimelineFigure().draw(silent(material), WIDE)
+    (sound,) = (c for c in figure.axes[0].collections if isinstance(c, FillBetweenPolyCollection))
+    assert len(sound.get_paths()) == 2
+
+
+@pytest.mark.parametrize(
+    ("parts", "expected"),
+    [
+        ({"lacking": "no trocar", "states": 0}, "No state of the controller was recorded. Not"),
+        ({"lacking": "no trocar", "states": 3}, "inside the patient. Not computed from the joint"),
+        ({"lacking": "", "states": 0}, "inside the patient. No state of the controller"),
+        ({"lacking": "", "states": 3}, "holds no moment with the tool inside the patient."),
+    ],
+)
+def test_why_there_is_no_rcm_error_is_said(material, parts, expected):
+    table = SampledTable(material.data.controller.columns)
+    table.extend(np.arange(3.0)[: parts["states"]], *np.full((5, parts["states"]), math.nan))
+    rcm = replace(material.rcm, error=material.rcm.error * math.nan, lacking=parts["lacking"])
+    rcm = replace(rcm, peak=rcm.peak * math.nan)
+    odd = replace(material, data=replace(material.data, controller=table), rcm=rcm)
+    assert not RcmErrorFigure().can_draw(odd) and expected in why_no_error(odd)
+
+
+def test_monochrome_pictures_are_grey_between_the_limits_of_their_type(material):
+    for kind, mode in (("png", "L"), ("jpeg", "L"), ("png", "I;16")):
+        buffer = io.BytesIO()
+        Image.new(mode, (8, 8), 60).save(buffer, kind)
+        pictures = [RecordedPicture(1.0, kind, buffer.getvalue())]
+        odd = replace(material, data=replace(material.data, pictures=pictures))
+        (shown,) = PicturesFigure().draw(odd, WIDE).axes[0].images
+        assert shown.cmap.name == "gray"
+        assert shown.get_clim() == ((0.0, 255.0) if kind == "jpeg" else (0.0, 1.0))
+
+
+def test_no_picture_is_shown_where_none_is_wanted(material):
+    none = replace(material, config=replace(material.config, pictures=0))
+    assert PicturesFigure().can_draw(material) and not PicturesFigure().can_draw(none)
+
+
+def test_the_longest_latency_is_drawn_of_however_many(material):
+    times = [0.01 * k for k in range(1502)]
+    given = tuple(GivenCommand("tense", 0.1, t, "accepted", "", False) for t in times)
+    lines = POOLED["latency"].draw(pool_of(material, given=given), WIDE).axes[0].lines
+    assert max(max(line.get_xdata(), default=0.0) for line in lines) == times[-1]
+
+
+def test_the_caption_of_the_loops_names_the_last_bin(material):
+    assert LoopsFigure().caption(material).endswith("The last bin holds all longer ones.")

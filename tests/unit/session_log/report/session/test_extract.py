@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from session_log.mcap_file.reader import SessionReader
+from session_log.report.session.analysis import loop_timing
 from session_log.report.session.extract import extract
+from session_log.report.session.tension import tension_with_target
 from support.message_classes import class_of
 from support.story import MOTION, OUTSIDE_UNTIL, SPEECH, Story, recording_of
 from tests.unit.session_log.support.foreign import write_foreign
@@ -59,6 +62,25 @@ def test_a_lost_message_makes_no_late_cycle(extracted):
         story.messages[-1] = story.messages[-1]._replace(data=numbered)
     (loop,) = extracted(story.messages).loops
     assert list(loop.length) == pytest.approx([0.002] * 3, abs=1e-6)
+
+
+def two_publishers():
+    """Joint states of an arm, 500 Hz, and of a gripper, 50 Hz, both even."""
+    messages = []
+    for publisher, step, phase in (("/arm", 0.002, 0.0), ("/gripper", 0.02, 0.001)):
+        story = Story()
+        for k in range(int(1.0 / step)):
+            story.say(phase + k * step, "/joint_states", "sensor_msgs/JointState")
+        messages += [
+            m._replace(source=replace(m.source, publisher=publisher)) for m in story.messages
+        ]
+    return sorted(messages, key=lambda message: message.log_time)
+
+
+def test_each_publisher_of_a_fast_topic_has_its_own_cycles(extracted):
+    loops = extracted(two_publishers()).loops
+    assert [loop.topic for loop in loops] == ["/joint_states (/arm)", "/joint_states (/gripper)"]
+    assert [loop_timing(loop, 1.5).late for loop in loops] == [0, 0]
 
 
 def test_a_stamp_that_was_not_set_is_replaced_by_the_time_of_arrival(extracted):
@@ -140,6 +162,20 @@ def test_a_force_that_is_no_number_is_left_out_and_the_others_kept(extracted, od
     tension = extracted(story.messages).tension
     assert list(tension["time"]) == pytest.approx([0.0, 2.0])
     assert list(tension["tension"]) == [1.0, 2.0]
+
+
+def test_a_pull_between_two_samples_is_the_largest_tension(extracted):
+    story = Story()
+    for k in range(1000):  # at 1 kHz
+        wrench = class_of("geometry_msgs/WrenchStamped")().wrench
+        wrench.force.z = 12.0 if 503 <= k < 515 else 1.0
+        story.say(k / 1000, "/robot/tension", "geometry_msgs/WrenchStamped", wrench=wrench)
+    for k in range(50):
+        fields = {"state": "active", "tension": 1.0, "tension_target": 1.0}
+        story.say(k / 50, "/rst_control/state", "rst_control/ControllerState", **fields)
+    data = extracted(sorted(story.messages, key=lambda message: message.log_time))
+    assert data.tension["tension"].max() == 12.0 == tension_with_target(data).max()
+    assert len(data.tension) == pytest.approx(50, abs=2)
 
 
 ARM, BOTH = ["a", "b"], ["a", "b", "finger"]
@@ -225,3 +261,15 @@ def test_a_silent_controller_is_in_no_state(extracted, length):
         found = [time for span in spans for time in (span.start, span.end)]
         assert found == pytest.approx([time for ends in stretches for time in ends], abs=0.03)
     assert data.modes[-1].end == pytest.approx(100.0)  # is sent on change only
+
+
+@pytest.mark.parametrize(("said", "end"), [(1.0, 5.0), (7.0, 20.0)])
+def test_the_voice_mode_ends_with_the_sound_unless_it_was_said_later(extracted, said, end):
+    story = Story()
+    for time in np.arange(0.0, 5.0, 0.1):
+        chunk = {"rate": 16000, "samples": [1] * 512}
+        story.say(time, "/voice_assist/audio", "voice_assist/AudioChunk", **chunk)
+    story.say(said, "/voice_assist/mode", "voice_assist/Mode", mode="active")
+    story.say(20.0, "/voice_assist/device", "voice_assist/DeviceCall", phrase="light on")
+    (span,) = extracted(sorted(story.messages, key=lambda message: message.log_time)).modes
+    assert (span.start, span.end) == pytest.approx((said, end), abs=0.11)

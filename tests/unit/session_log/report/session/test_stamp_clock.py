@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from session_log.report.session.extract import extract
-from session_log.report.session.stamp_clock import APART, StampClock
+from session_log.report.session.stamp_clock import APART, MANY, StampClock
 from support.message_classes import source_of
 from support.story import START, Story, recording_of
 
@@ -96,6 +96,16 @@ def test_one_message_that_was_late_makes_no_other_clock():
     clock = StampClock(SOURCE, lags)
     pairs = [(100, 101), (102, 102 + int(2 * APART) * SECOND), (104, 105)]
     assert in_log_time(clock, *pairs) == [100, 102, 104] and lags == {}
+
+
+@pytest.mark.parametrize(("lag", "offset"), [(0.05, None), (0.8, 0.8), (-0.3, -0.3)])
+def test_a_clock_that_is_a_little_off_is_known_by_the_smallest_lag(lag, offset):
+    clock = StampClock(SOURCE, {})
+    for k in range(MANY):  # one of which came 2 s late
+        arrival = START + k * SECOND + int(lag * 1e9) + (k == 0) * 2 * SECOND
+        assert in_log_time(clock, (START + k * SECOND, arrival)) == [START + k * SECOND]
+        assert k == MANY - 1 or clock.offset is None
+    assert clock.offset == (offset and ("/joint_states", pytest.approx(offset)))
 
 
 def test_a_stamp_that_was_not_set_decides_nothing():

@@ -25,7 +25,9 @@ SESSIONS_NOTE = (
     "Right: phrases taken as they were meant. Action: median time from the end of speech. RCM: "
     "largest error while moving, by the controller and from the joint states. Tension: largest. "
     "Margin: smallest of a turning joint to its limit. Late: share of late cycles of the fast "
-    "topics. Incomplete: the recording was not closed, is damaged or lacks messages."
+    "topics. Incomplete: the recording was not closed, is damaged, lacks messages or holds some "
+    "that do not fit. Also incomplete: topics in namespaces, and clocks that were set back or are "
+    "a little off."
 )
 SEARCH = "search words, refusals, notes, dates"
 
@@ -66,9 +68,13 @@ def _subtitle(pool: Pool) -> str:
     times = [m.started for m in pool.members if m.started]
     words = [f"{duration_words(pool.duration)} in all"]
     if times:
-        first, last = (f"{datetime.fromtimestamp(t):%d %B %Y}" for t in (min(times), max(times)))
+        first, last = (_day(t) for t in (min(times), max(times)))
         words.insert(0, first if first == last else f"{first} to {last}")
     return " · ".join([*words, _software(pool)])
+
+
+def _day(time: float) -> str:
+    return f"{datetime.fromtimestamp(time).astimezone():%d %B %Y %Z}"
 
 
 def _software(pool: Pool) -> str:

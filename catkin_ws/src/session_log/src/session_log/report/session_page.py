@@ -11,6 +11,7 @@ from typing import Any
 
 from session_log.mcap_file.summary import RecordingSummary
 from session_log.report.figures import POOL_FIGURES, SESSION_FIGURES, ReportFigure, SessionMaterial
+from session_log.report.figures.rcm import why_no_error
 from session_log.report.notes import Note
 from session_log.report.page import Image, Section, page, table_section
 from session_log.report.pool.pool import InputCounts, Pool
@@ -91,7 +92,9 @@ def _sections(
         yield inputs_section(pool)
     for name in BELOW_COMMANDS:
         if name != "confusion" or name in images:  # else the accuracy's place says why
-            yield figure_section(_FIGURES[name], images, pool)
+            section = figure_section(_FIGURES[name], images, pool)
+            is_unknown = name == "rcm_error" and not section.image
+            yield replace(section, note=why_no_error(material)) if is_unknown else section
     health = session_tables.health_table(material)
     health_part = table_section("Health", health, "The recording holds no diagnostics.")
     yield replace(health_part, is_folded=True)
@@ -136,9 +139,12 @@ def _warnings(material: SessionMaterial) -> Iterator[str]:
     if recording.missing:
         yield f"{recording.missing} messages were received but are not in the file."
     for step in recording.clock_steps:
-        yield f"{str(step).capitalize()}: times after it are wrong."
+        words, is_back = str(step), step.after < step.before
+        yield f"{words[0].upper()}{words[1:]}{': times after it are wrong' if is_back else ''}."
     if lags := material.data.clock_lags:
-        yield _clock_words(lags)
+        yield f"{_clock_words(lags)}: their times are those of arrival."
+    if offsets := material.data.clock_offsets:
+        yield f"{_clock_words(offsets)}: their times, and latencies, are off by as much."
     topics = vars(material.config.topics)
     if namespaces := namespaces_of(topics.values(), recording.topics):
         where = " and ".join(namespaces)
@@ -158,5 +164,4 @@ def _clock_words(lags: Mapping[str, float]) -> str:
     topics = f"{first} and {len(others)} more" if others else first
     lag = max(map(abs, lags.values()))
     apart = duration_words(lag) if lag < DAY else "more than a day"
-    clock = f"The clock that stamped {topics} is {apart} off the recorder's"
-    return f"{clock}: their times are those of arrival."
+    return f"The clock that stamped {topics} is {apart} off the recorder's"

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from session_log.report.figures import SessionMaterial
-from session_log.report.figures.style import GREEN, INK, QUIET, SKY, STATE_COLORS, thin
+from session_log.report.figures.style import GREEN, INK, QUIET, SKY, STATE_COLORS, thin, with_gaps
 from session_log.report.figures.timeline import LOUDEST, QUIETEST, timeline_labels
 from session_log.report.notes import Note
 from session_log.report.session.session_data import Span, Track
@@ -62,6 +62,6 @@ def _curve(name: str, time: Track, value: Track) -> Drawn:
     """A curve with gaps where its value is no number, which JSON has no word for."""
     if not np.isfinite(value).any():
         return {"name": name, "time": [], "value": []}
-    time, value = thin(time, value, POINTS)
+    time, value = thin(*with_gaps(time, value), POINTS)
     known = [v if math.isfinite(v) else None for v in value.round(2).tolist()]
     return {"name": name, "time": time.round(2).tolist(), "value": known}

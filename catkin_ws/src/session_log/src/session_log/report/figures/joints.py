@@ -7,7 +7,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -27,6 +26,7 @@ from session_log.report.session.joint_margins import (
     JointMargin,
     joint_limits,
     joint_margins,
+    positions,
     unknown_positions,
 )
 from session_log.report.session.session_data import Track
@@ -92,7 +92,7 @@ class JointsFigure(SessionFigure):
         axes = figure.subplots(len(units), 1, height_ratios=heights, squeeze=False)[:, 0]
         margins = joint_margins(material.data)
         for ax, unit in zip(axes, units, strict=True):
-            rows = {n: joints[n][np.isfinite(joints[n])] for n in names[unit]}
+            rows = {n: positions(material.data, joints, n) for n in names[unit]}
             _draw_joints(ax, unit, rows, limits, margins)
         return figure
 

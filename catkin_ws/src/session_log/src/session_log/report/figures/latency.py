@@ -70,7 +70,8 @@ class LatencyFigure(PoolFigure):
 
 
 def _draw_points(ax: Axes, y: int, times: Sequence[float], marker: str, color: str) -> None:
-    shown = np.asarray(times)[:: max(len(times) // MOST_POINTS, 1)]
+    last, count = len(times) - 1, min(len(times), MOST_POINTS)
+    shown = np.asarray(times)[np.linspace(0, last, count).round().astype(int)]
     strewn = np.zeros(len(shown))
     if len(shown) > FEW:  # the same each time, and no two neighbours at the same height
         strewn = STREWN * (2.0 * np.modf(0.618 * np.arange(len(shown)))[0] - 1.0)

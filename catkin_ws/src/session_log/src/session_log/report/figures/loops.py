@@ -3,12 +3,24 @@
 
 from __future__ import annotations
 
+from itertools import cycle
+
 import numpy as np
 from matplotlib.figure import Figure
 
 from session_log.report.figures.figure import SessionFigure, SessionMaterial
-from session_log.report.figures.style import BLUE, ORANGE, Layout, new_figure
+from session_log.report.figures.style import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    SKY,
+    Layout,
+    new_figure,
+)
 from session_log.report.session.analysis import loop_timing
+
+COLORS = (BLUE, ORANGE, GREEN, PURPLE, SKY)
 
 
 class LoopsFigure(SessionFigure):
@@ -36,7 +48,7 @@ class LoopsFigure(SessionFigure):
         return (
             "Time between consecutive stamps. "
             + "; ".join(parts)
-            + f" (late: longer than {factor:g} medians)."
+            + f" (late: longer than {factor:g} medians). The last bin holds all longer ones."
         )
 
     def draw(self, material: SessionMaterial, layout: Layout) -> Figure:
@@ -49,7 +61,7 @@ class LoopsFigure(SessionFigure):
         median = max(float(np.median(track)) for track in tracks)
         top = 3.0 * median
         bins = np.linspace(0.0, top, 121)
-        for loop, track, color in zip(material.data.loops, tracks, (BLUE, ORANGE), strict=False):
+        for loop, track, color in zip(material.data.loops, tracks, cycle(COLORS)):
             ax.hist(
                 np.clip(track, 0.0, top),
                 bins.tolist(),
@@ -61,9 +73,7 @@ class LoopsFigure(SessionFigure):
         ax.set_yscale("log")
         ax.set_ylim(bottom=0.7)
         ax.set_xlim(0.0, top)
-        ax.set_xlabel("time between messages [ms]   (the last bin holds all longer ones)")
-        if not layout.is_wide:
-            ax.set_xlabel("time between messages [ms]")
+        ax.set_xlabel("time between messages [ms]")
         ax.set_ylabel("messages")
         ax.legend(loc="upper right")
         return figure

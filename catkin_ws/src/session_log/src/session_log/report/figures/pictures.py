@@ -21,11 +21,11 @@ class PicturesFigure(SessionFigure):
 
     name = "scene"
     title = "The scene"
-    lacking = "The recording holds no pictures of the scene."
+    lacking = "The recording holds no pictures of the scene, or none are asked for (pictures: 0)."
 
     def can_draw(self, material: SessionMaterial) -> bool:
-        """Whether a readable picture was recorded."""
-        return any(_image(picture) is not None for picture in material.data.pictures)
+        """Whether a readable picture was recorded and is wanted."""
+        return bool(_evenly_chosen(material))
 
     def caption(self, material: SessionMaterial) -> str:
         """Say where they come from."""
@@ -44,7 +44,8 @@ class PicturesFigure(SessionFigure):
         for ax in axes:
             ax.set_axis_off()
         for ax, (time, image) in zip(axes, shown, strict=False):
-            ax.imshow(image, interpolation="antialiased")
+            white = 255.0 if image.dtype == np.uint8 else 1.0
+            ax.imshow(image, interpolation="antialiased", cmap="gray", vmin=0, vmax=white)
             ax.set_title(f"{time:.1f} s", pad=2)
         return figure
 
@@ -52,7 +53,7 @@ class PicturesFigure(SessionFigure):
 def _evenly_chosen(material: SessionMaterial) -> list[tuple[float, NDArray[np.generic]]]:
     read = [(p.time, _image(p)) for p in material.data.pictures]
     good = [(time, image) for time, image in read if image is not None]
-    count = min(max(material.config.pictures, 1), len(good))
+    count = min(material.config.pictures, len(good))
     return [good[int(i)] for i in np.linspace(0, len(good) - 1, count).round()]
 
 

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -17,6 +19,7 @@ from session_log.report.figures.style import (
     shade_motion,
     thin,
     time_axis,
+    with_gaps,
 )
 from session_log.report.session.analysis import rcm_while_moving, statistics
 from session_log.report.session.session_data import Track
@@ -47,12 +50,12 @@ class RcmErrorFigure(SessionFigure):
         if not is_stated and not len(own):
             words.append("The robot did not move.")
         if is_stated:
-            words.append("By the controller, " + _errors(stated, material))
+            words.append("By the controller, " + _errors(stated, material.config.rcm_limit))
         if len(own):
             words.append("From the joint states, by the recorded robot model and trocar alone, ")
-            words[-1] += _errors(own, material)
+            words[-1] += _errors(own, material.config.rcm_limit, material.rcm.largest)
         if material.rcm.lacking:
-            words.append(f"Not computed from the joint states: {material.rcm.lacking}.")
+            words.append(_not_computed(material))
         return " ".join(words)
 
     def draw(self, material: SessionMaterial, layout: Layout) -> Figure:
@@ -63,7 +66,7 @@ class RcmErrorFigure(SessionFigure):
         shade_motion(ax, material.data.states)
         tracks = [
             _draw_track(ax, table["time"], table["rcm_error"], "by the controller", BLUE, 1.8),
-            _draw_track(ax, material.rcm.time, material.rcm.error, "from joint states", ORANGE),
+            _draw_track(ax, *material.rcm.curve, "from joint states", ORANGE),
         ]
         error = np.concatenate(tracks)
         ax.axhline(limit, color=RED, lw=1.0, ls="--", label=f"limit {limit:.3g} µm")
@@ -84,12 +87,29 @@ class RcmErrorFigure(SessionFigure):
         return figure
 
 
-def _errors(error: Track, material: SessionMaterial) -> str:
-    limit, found = material.config.rcm_limit, statistics(error)
+def why_no_error(material: SessionMaterial) -> str:
+    """What is said in place of the figure: what was not recorded, or that the tool was outside."""
+    words, has_state = [], len(material.data.controller) > 0
+    if has_state or not material.rcm.lacking:
+        words.append(RcmErrorFigure.lacking)
+    if not has_state:
+        words.append("No state of the controller was recorded.")
+    if material.rcm.lacking:
+        words.append(_not_computed(material))
+    return " ".join(words)
+
+
+def _not_computed(material: SessionMaterial) -> str:
+    return f"Not computed from the joint states: {material.rcm.lacking}."
+
+
+def _errors(error: Track, limit: float, largest: float = -math.inf) -> str:
+    """In words; `largest` is that of all messages, where `error` are samples of them."""
+    found = statistics(error)
     above = int(np.count_nonzero(error > limit))
     return (
         f"while moving: RMS {length(found.rms)}, 95 % {length(found.p95)}, "
-        f"largest {length(found.largest)}; {above} of {found.count} samples above "
+        f"largest {length(max(found.largest, largest))}; {above} of {found.count} samples above "
         f"the limit of {length(limit)}."
     )
 
@@ -100,6 +120,6 @@ def _draw_track(
     inside = np.isfinite(error)
     if not inside.any():
         return np.empty(0)
-    shown, micro = thin(time[inside], error[inside] * 1e6)
-    ax.plot(shown, micro, color=color, lw=width, label=label)
+    micro = error[inside] * 1e6
+    ax.plot(*thin(*with_gaps(time[inside], micro)), color=color, lw=width, label=label)
     return micro

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from session_log.report.session.session_data import MOVING, Span, Track
+from session_log.report.session.session_data import MOVING, SILENT, Span, Track
 
 INK = "#1f2933"
 QUIET = "#7b8794"
@@ -105,6 +105,24 @@ def time_axis(ax: Axes, duration: float) -> None:
     """Label a time axis that spans the session."""
     ax.set_xlim(0.0, max(duration, 1.0))
     ax.set_xlabel("time since the session began [s]")
+
+
+def with_gaps(time: Track, value: Track) -> tuple[Track, Track]:
+    """Put a nan where nothing was recorded for long, so that no line leads across.
+
+    Args:
+        time: Of each sample [s]. Shape (n,).
+        value: Shape (n,).
+
+    Returns:
+        Time and value with a nan wherever samples are further apart than SILENT, and than three
+        usual steps of a slow topic. Shape (m,) each.
+    """
+    steps = np.diff(time)
+    if not len(steps):
+        return time, value
+    gaps = np.flatnonzero(steps > max(SILENT, 3.0 * float(np.median(steps)))) + 1
+    return np.insert(time, gaps, time[gaps - 1]), np.insert(value, gaps, np.nan)
 
 
 def thin(time: Track, value: Track, points: int = 4000) -> tuple[Track, Track]:

@@ -16,6 +16,7 @@ from session_log.report.figures.style import (
     shade_motion,
     thin,
     time_axis,
+    with_gaps,
 )
 from session_log.report.session.analysis import statistics
 from session_log.report.session.session_data import SampledTable
@@ -62,13 +63,13 @@ class TensionFigure(SessionFigure):
         shade_motion(ax, data.states)
         measured = _measured(material)
         is_known = np.isfinite(measured["tension"])
-        time, tension = thin(measured["time"][is_known], measured["tension"][is_known])
-        ax.plot(time, tension, color=BLUE, lw=0.9, label="measured")
+        time, tension = measured["time"][is_known], measured["tension"][is_known]
+        ax.plot(*thin(*with_gaps(time, tension)), color=BLUE, lw=0.9, label="measured")
         top = float(tension.max(initial=0.0))
         if len(data.controller):
             target = data.controller["target"]
-            shown = np.where(target > 0, target, np.nan)
-            ax.plot(data.controller["time"], shown, color=INK, ls="--", lw=1.0, label="target")
+            shown = with_gaps(data.controller["time"], np.where(target > 0, target, np.nan))
+            ax.plot(*shown, color=INK, ls="--", lw=1.0, label="target")
             top = max(top, float(target.max()))
         if (limit := tension_settings(data).get("limit")) is not None:
             ax.axhline(limit, color=RED, lw=1.0, ls="--", label=f"limit {limit:.3g} N")

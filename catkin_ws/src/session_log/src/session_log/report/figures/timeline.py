@@ -24,6 +24,7 @@ from session_log.report.figures.style import (
     Layout,
     new_figure,
     thin,
+    with_gaps,
 )
 from session_log.report.session.analysis import FAILED
 from session_log.report.session.session_data import Span
@@ -142,7 +143,7 @@ def _draw_speech(ax: Axes, material: SessionMaterial, row: TimelineRow) -> None:
     ax.spines[["left", "bottom"]].set_visible(False)
     if mine.any():
         level = (sound["level"].clip(QUIETEST, LOUDEST) - QUIETEST) / (LOUDEST - QUIETEST)
-        time, level = thin(sound["time"][mine], level[mine])
+        time, level = thin(*with_gaps(sound["time"][mine], level[mine]))
         ax.fill_between(time, -0.1, -0.1 + 0.8 * level, color=SOUND, lw=0)
     labels = [label for label in timeline_labels(material) if row.start <= label.time < row.end]
     for color, is_command in ((GREEN, True), (QUIET, False)):

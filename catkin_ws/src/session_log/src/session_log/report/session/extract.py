@@ -17,11 +17,18 @@ from session_log.mcap_file.bulk import Batch
 from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import MessageCounter, RecordingSummary
-from session_log.report.session.fast_topics import FastTopic, LoopTopic, Take
+from session_log.report.session.fast_topics import (
+    FastTopic,
+    LoopTopic,
+    Take,
+    largest_of_each,
+)
+from session_log.report.session.joint_peaks import JointPeaks
 from session_log.report.session.joint_tables import JointTables
 from session_log.report.session.session_data import (
     DEVICES,
     MOVING,
+    SILENT,
     IntendedPhrase,
     Intervals,
     NodeHealth,
@@ -38,7 +45,6 @@ from session_log.report.session.utterance_sounds import UtteranceSounds
 from session_log.types import URDF_TOPIC, Message, MessageSource
 
 FULL_SCALE = 32767.0
-SILENT = 0.5  # [s] without a state, of which 50 come in a second: nobody knows what held meanwhile
 QUIETEST = -90.0  # [dBFS] digital silence is drawn here
 
 
@@ -82,9 +88,15 @@ class _SpanBuilder:
             self.end(time)
             self._word, self._since = word, time
 
-    def finish(self, time: float) -> None:
-        """Close what is open at the end of the recording, or when a repeated word fell silent."""
-        self.end(self._reported if time - self._reported > SILENT else time)
+    def finish(self, time: float, heard: float = math.inf) -> None:
+        """Close what is open at the end of the recording, or when who said it fell silent.
+
+        Args:
+            time: End of the recording [s].
+            heard: When who says the words gave its last sign of life in other messages [s].
+        """
+        last = min(self._reported, heard if heard > self._since else math.inf)
+        self.end(last if time - last > SILENT else time)
 
     def _fall_silent(self, time: float) -> None:
         self.end(time)
@@ -109,7 +121,10 @@ class _Extractor:
         self._picture_step = self._picture_count = 0
         self._modes, self._states = _SpanBuilder(data.modes), _SpanBuilder(data.states)
         self._phases = _SpanBuilder(data.phases)
-        self._loops = {t: Intervals(t) for t in (topics.joint_states, topics.set_points)}
+        self._loops: dict[str, dict[str, Intervals]] = {  # by topic and publisher
+            topics.joint_states: {},
+            topics.set_points: {},
+        }
         self._slow: dict[str, Callable[[Any], None]] = {
             topics.utterance: self._utterance,
             topics.mode: self._mode,
@@ -121,15 +136,16 @@ class _Extractor:
             topics.trocar: self._trocar,
             URDF_TOPIC: self._urdf,
         }
-        period = config.sample_period
-        self._fast: dict[str, tuple[Take, float]] = {
-            topics.audio: (self._audio, 0.0),
-            topics.state: (self._state, 0.0),
-            topics.tension: (self._tension, period),
-            topics.joint_states: (self._joints, period),
+        peaks = JointPeaks(data, config)
+        self._fast: dict[str, list[tuple[Take, float]]] = {
+            topics.audio: [(self._audio, 0.0)],
+            topics.state: [(self._state, 0.0)],
+            topics.tension: [(self._tension, 0.0)],
+            topics.joint_states: [(peaks.take, 0.0), (self._joints, config.sample_period)],
         }
         self._takers: dict[MessageSource, list[Callable[[Message], None]]] = {}
         self._waiting: list[FastTopic | LoopTopic] = []
+        self._clocks: list[StampClock] = []
         self._joint_tables = JointTables()
         self._sounds = UtteranceSounds() if config.utterance_sound else None
 
@@ -146,14 +162,20 @@ class _Extractor:
         """Close what is open."""
         for topic in self._waiting:
             topic.flush()
+        self._data.clock_offsets = dict(filter(None, (clock.offset for clock in self._clocks)))
         end = self._relative(self._end)
-        for words in (self._modes, self._states, self._phases):
+        sound = self._data.sound["time"]
+        self._modes.finish(end, float(sound[-1]) if len(sound) else math.inf)
+        for words in (self._states, self._phases):
             words.finish(end)
         if self._sounds is not None:
             self._data.sounds = self._sounds.finish()
         self._data.joints, self._data.other_joints = self._joint_tables.best(self._data.urdf)
         self._data.health = sorted(self._health.values(), key=lambda h: h.name)
-        self._data.loops = [loop for loop in self._loops.values() if loop.length]
+        for loops in self._loops.values():
+            for publisher, loop in loops.items() if len(loops) > 1 else ():
+                loop.topic += f" ({publisher or 'unnamed'})"
+            self._data.loops += [loop for loop in loops.values() if loop.length]
 
     def _takers_of(self, message: Message) -> list[Callable[[Message], None]]:
         source, topic = message.source, message.source.topic
@@ -164,14 +186,15 @@ class _Extractor:
             return [self._count_unfit] if is_known else []
         found: list[FastTopic | LoopTopic] = []
         if topic in self._loops:
-            found.append(LoopTopic(source, self._loops[topic]))
-        if topic in self._fast:
-            take, period = self._fast[topic]
-            found.append(FastTopic(source, take, self._data, self._origin, period))
+            loop = self._loops[topic].setdefault(source.publisher, Intervals(topic))
+            found.append(LoopTopic(source, loop))
+        clock = StampClock(source, self._data.clock_lags)
+        self._clocks.append(clock)
+        for take, period in self._fast.get(topic, ()):
+            found.append(FastTopic(source, clock, take, self._data, self._origin, period))
         self._waiting += found
         takers: list[Callable[[Message], None]] = [waiting.add for waiting in found]
         if topic in self._slow:
-            clock = StampClock(source, self._data.clock_lags)
             takers.append(partial(self._decode, self._slow[topic], clock))
         return takers
 
@@ -259,8 +282,8 @@ class _Extractor:
     def _tension(self, batch: Batch, time: Track) -> None:
         force = np.column_stack([batch.column(f"wrench.force.{axis}") for axis in "xyz"])
         tension = np.linalg.norm(force, axis=1)
-        is_known = np.isfinite(tension)
-        self._data.tension.extend(time[is_known], tension[is_known])
+        kept = largest_of_each(time, tension, self._config.sample_period)
+        self._data.tension.extend(time[kept], tension[kept])
 
     def _joints(self, batch: Batch, time: Track) -> None:
         self._joint_tables.add(time, batch.lists("name"), batch.column("position"))

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from session_log.mcap_file.bulk import Batch
 from session_log.mcap_file.decoder import MissingField
@@ -26,6 +27,7 @@ class FastTopic:
 
     Args:
         source: Of the messages.
+        clock: Of their stamps.
         take: What to do with them.
         data: Where misfits are counted.
         origin: Log time of the session's first message [ns].
@@ -33,10 +35,16 @@ class FastTopic:
     """
 
     def __init__(
-        self, source: MessageSource, take: Take, data: SessionData, origin: int, period: float
+        self,
+        source: MessageSource,
+        clock: StampClock,
+        take: Take,
+        data: SessionData,
+        origin: int,
+        period: float,
     ) -> None:
         self._source, self._take, self._data, self._origin = source, take, data, origin
-        self._clock = StampClock(source, data.clock_lags)
+        self._clock = clock
         self._period, self._due = round(period * 1e9), 0
         self._latest = 0  # [ns] log time of the message before
         self._payloads: list[bytes] = []
@@ -63,7 +71,7 @@ class FastTopic:
             return
         source = self._source
         batch = Batch(source.datatype, source.definition, payloads)
-        if batch.unfit:
+        if batch.unfit and not self._period:  # what is sampled is also taken whole
             self._data.undecodable[source.topic] += len(batch.unfit)
         if len(batch.unfit) == len(payloads):
             return
@@ -73,6 +81,14 @@ class FastTopic:
         except KeyError as error:
             missing = MissingField(Message(source, b"", 0, 0), str(error.args[0]))
             self._data.missing_fields.add(str(missing))
+
+
+def largest_of_each(time: Track, value: Track, period: float) -> NDArray[np.intp]:
+    """Places of the largest finite value in each period [s]; time [s] and value of shape (n,)."""
+    known = np.flatnonzero(np.isfinite(value))
+    turn = np.floor(time / period)
+    order = known[np.lexsort((value[known], turn[known]))]
+    return np.sort(order[np.diff(turn[order], append=np.inf) != 0])
 
 
 class LoopTopic:

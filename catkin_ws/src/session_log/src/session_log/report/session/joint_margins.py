@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from session_log.report.session.kinematics import SLIDING
-from session_log.report.session.session_data import SessionData
+from session_log.report.session.session_data import SampledTable, SessionData, Track
 
 
 @dataclass(frozen=True)
@@ -54,12 +54,23 @@ def joint_margins(data: SessionData) -> dict[str, JointMargin]:
     margins = {}
     for name, limit in joint_limits(data.urdf).items():
         if name in data.joints.columns[1:]:
-            q = data.joints[name]
-            q = q[np.isfinite(q)]
+            q = positions(data, data.joints, name)
             if len(q):
                 nearest = min(float(q.min()) - limit.low, limit.high - float(q.max()))
                 margins[name] = JointMargin(nearest, limit.is_sliding)
     return margins
+
+
+def positions(data: SessionData, joints: SampledTable, name: str) -> Track:
+    """Finite positions of a joint [rad], or [m]: its extremes, then its samples. Shape (n,).
+
+    Args:
+        data: Of the session.
+        joints: Its samples, which have the joint.
+        name: Of the joint.
+    """
+    q = np.concatenate([data.joint_ranges.get(name, ()), joints[name]])
+    return q[np.isfinite(q)]
 
 
 def smallest_margin(data: SessionData) -> float:

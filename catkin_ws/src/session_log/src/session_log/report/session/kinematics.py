@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
@@ -26,7 +28,9 @@ class ModelUnfit(SessionLogError):
         self.why = why
 
 
-def poses(urdf: str, base: str, link: str, q: Mapping[str, Track]) -> Array:
+def poses(
+    urdf: str, base: str, link: str, q: Mapping[str, Track], columns: Sequence[int] = range(4)
+) -> Array:
     """Poses of `link` in `base` for joint positions over time.
 
     Args:
@@ -34,21 +38,38 @@ def poses(urdf: str, base: str, link: str, q: Mapping[str, Track]) -> Array:
         base: Name of the link in whose frame the poses are.
         link: Name of the link; below `base` in the tree.
         q: Position of each joint that moves, by name, [rad] or [m]. Each of shape (n,).
+        columns: Which of a pose are wanted, from 0 to 3: the axes and the position.
 
     Returns:
-        Homogeneous transforms. Shape (n, 4, 4).
+        Columns of homogeneous transforms. Shape (n, 4, number of columns).
 
     Raises:
         ModelUnfit: The URDF cannot be read, has no such link, or moves by an unknown joint.
     """
+    chain = _chain(urdf, base, link)
+    for joint in chain:
+        if joint.kind != "fixed" and joint.name not in q:
+            raise ModelUnfit(f"joint {joint.name} is not among the recorded joints")
     count = len(next(iter(q.values()), ()))
-    T_base_link = np.broadcast_to(np.eye(4), (count, 4, 4))
-    for joint in _chain(urdf, base, link):
-        T_base_link = T_base_link @ _origin(joint) @ _motion(joint, q, count)
-    return T_base_link
+    found = np.repeat(np.eye(4)[:, list(columns), None], count, axis=2)  # (4, columns, n)
+    for joint in reversed(chain):
+        found = _carried(joint, q, found)
+    return np.moveaxis(found, -1, 0)
 
 
-def _chain(urdf: str, base: str, link: str) -> list[Element]:
+@dataclass(frozen=True, eq=False)
+class _Joint:
+    """One joint of a chain."""
+
+    name: str
+    kind: str
+    origin: Array  # (4, 4), of the joint in its parent
+    axis: Array  # (4,), of length one; zero of a fixed joint
+    turn: Array  # (4, 4), cross product of the axis with a column
+
+
+@lru_cache(maxsize=8)  # asked for each thousand joint states
+def _chain(urdf: str, base: str, link: str) -> tuple[_Joint, ...]:
     """Joints from `base` down to `link`."""
     try:
         parents = {_end(j, "child"): j for j in ElementTree.fromstring(urdf).findall("joint")}
@@ -61,7 +82,7 @@ def _chain(urdf: str, base: str, link: str) -> list[Element]:
             raise ModelUnfit(f"no joints lead from {base} to {link}")
         found.append(parents[name])
         name = _end(parents[name], "parent")
-    return found[::-1]
+    return tuple(map(_joint, found[::-1]))
 
 
 def _end(joint: Element, which: str) -> str:
@@ -69,33 +90,36 @@ def _end(joint: Element, which: str) -> str:
     return "" if end is None else end.get("link", "")
 
 
-def _origin(joint: Element) -> Array:
-    origin = joint.find("origin")
-    place = np.eye(4)
-    if origin is not None:
-        place[:3, 3] = _numbers(origin.get("xyz", "0 0 0"))
-        rpy = _numbers(origin.get("rpy", "0 0 0"))
-        place[:3, :3] = Rotation.from_euler("xyz", rpy).as_matrix()
-    return place
+def _joint(element: Element) -> _Joint:
+    kind, name = element.get("type", ""), element.get("name", "")
+    origin, axis = np.eye(4), np.zeros(4)
+    if (place := element.find("origin")) is not None:
+        origin[:3, 3] = _numbers(place.get("xyz", "0 0 0"))
+        rpy = _numbers(place.get("rpy", "0 0 0"))
+        origin[:3, :3] = Rotation.from_euler("xyz", rpy).as_matrix()
+    if kind != "fixed":
+        if kind not in TURNING + SLIDING:
+            raise ModelUnfit(
+                f"joint {name} is {kind}, not fixed, revolute, continuous or prismatic"
+            )
+        way = element.find("axis")
+        axis[:3] = _numbers("1 0 0" if way is None else way.get("xyz", "1 0 0"))
+        axis /= np.linalg.norm(axis)
+    turn = np.zeros((4, 4))
+    turn[:3, :3] = np.cross(np.eye(3), axis[:3])
+    return _Joint(name, kind, origin, axis, turn)
 
 
-def _motion(joint: Element, q: Mapping[str, Track], count: int) -> Array:
-    kind, name = joint.get("type", ""), joint.get("name", "")
-    moved = np.tile(np.eye(4), (count, 1, 1))
-    if kind == "fixed":
-        return moved
-    if kind not in TURNING + SLIDING:
-        raise ModelUnfit(f"joint {name} is {kind}, not fixed, revolute, continuous or prismatic")
-    if name not in q:
-        raise ModelUnfit(f"joint {name} is not among the recorded joints")
-    axis = joint.find("axis")
-    direction = _numbers("1 0 0" if axis is None else axis.get("xyz", "1 0 0"))
-    way = q[name][:, None] * (direction / np.linalg.norm(direction))  # (n, 3)
-    if kind in TURNING:
-        moved[:, :3, :3] = Rotation.from_rotvec(way).as_matrix()
-    else:
-        moved[:, :3, 3] = way
-    return moved
+def _carried(joint: _Joint, q: Mapping[str, Track], columns: Array) -> Array:
+    """What a joint moves, seen from its parent. Both of shape (4, columns, n)."""
+    if joint.kind in TURNING:  # by Rodrigues' formula, with the same matrices for all times
+        once = np.tensordot(joint.turn, columns, 1)
+        twice = np.tensordot(joint.turn, once, 1)
+        angle = q[joint.name]
+        columns = columns + np.sin(angle) * once + (1.0 - np.cos(angle)) * twice
+    elif joint.kind in SLIDING:
+        columns = columns + joint.axis[:, None, None] * (q[joint.name] * columns[3])
+    return np.tensordot(joint.origin, columns, 1)
 
 
 def _numbers(words: str) -> Array:

@@ -16,6 +16,7 @@ from session_log.mcap_file.summary import RecordingSummary
 
 Track = NDArray[np.float64]
 MOVING = ("moving", "stopping")  # states of the controller in which the robot moves
+SILENT = 0.5  # [s] without a message of a fast topic: nobody knows what held meanwhile
 ERROR, STALE = 2, 3  # levels of diagnostics
 DEVICES = "devices"  # what answers a call to a device, which is no node of the controller
 
@@ -150,8 +151,16 @@ class SessionData:
             ("time", "rcm_error", "tension", "target", "speed", "moving")
         )
     )
-    tension: SampledTable = field(default_factory=lambda: SampledTable(("time", "tension")))
+    tension: SampledTable = field(  # the largest of each sample period
+        default_factory=lambda: SampledTable(("time", "tension"))
+    )
     joints: SampledTable | None = None  # columns: time and the names of the joints, [rad]
+    joint_ranges: dict[str, tuple[float, float]] = field(  # least and largest of all joint states
+        default_factory=dict
+    )
+    rcm_peaks: SampledTable = field(  # the largest of each sample period, from all joint states
+        default_factory=lambda: SampledTable(("time", "error"))
+    )
     other_joints: int = 0  # samples that name others, or do not fit their names
     sound: SampledTable = field(default_factory=lambda: SampledTable(("time", "level")))  # [dBFS]
     loops: list[Intervals] = field(default_factory=list)
@@ -161,6 +170,9 @@ class SessionData:
     undecodable: Counter[str] = field(default_factory=Counter)  # messages by topic
     clock_lags: dict[str, float] = field(  # of topics that another clock stamped:
         default_factory=dict  # from stamp to arrival [s]
+    )
+    clock_offsets: dict[str, float] = field(  # of topics whose clock is a little off: likewise,
+        default_factory=dict  # at the least; their times are left as they are
     )
     missing_fields: set[str] = field(default_factory=set)  # what was recorded without which field
     intended: list[IntendedPhrase] = field(default_factory=list)

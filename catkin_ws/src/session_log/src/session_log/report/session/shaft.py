@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,9 +12,13 @@ from numpy.typing import NDArray
 
 from session_log.config import ReportConfig
 from session_log.report.session.kinematics import ModelUnfit, poses
-from session_log.report.session.session_data import MOVING, SessionData, Span, Track
-
-NO_TRACK: Track = np.empty(0)
+from session_log.report.session.session_data import (
+    MOVING,
+    RecordedTrocar,
+    SessionData,
+    Span,
+    Track,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +28,17 @@ class JointRcm:
     time: Track  # (n,), [s]
     error: Track  # (n,), [m] distance of the shaft's line from the trocar; nan while outside
     moving: NDArray[np.bool_]  # (n,)
-    lacking: str  # why it cannot be computed; empty when it was
+    peak_time: Track  # (m,), [s]
+    peak: Track  # (m,), [m] largest of all joint states in each sample period
+    largest: float  # [m] of all joint states while moving, tool inside
+    lacking: str = ""  # why it cannot be computed; empty when it was
+
+    @property
+    def curve(self) -> tuple[Track, Track]:
+        """Times [s] and errors [m], samples and peaks in order of time. Shape (n + m,) each."""
+        time = np.concatenate([self.time, self.peak_time])
+        order = np.argsort(time, kind="stable")
+        return time[order], np.concatenate([self.error, self.peak])[order]
 
     @property
     def while_moving(self) -> Track:
@@ -48,36 +63,67 @@ def is_within(time: Track, spans: Sequence[Span], words: Sequence[str]) -> NDArr
     return found
 
 
-def _rcm(data: SessionData, config: ReportConfig) -> JointRcm:
-    joints, links = data.joints, config.shaft
-    if joints is None or not len(joints):
-        return _none("no joint states")
-    if not data.urdf:
-        return _none("no robot model (/robot_description)")
-    if not data.trocars:
-        return _none(f"no trocar ({config.topics.trocar})")
-    frames = {t.frame for t in data.trocars} - {links.base, ""}
+def rcm_errors(
+    time: Track,
+    q: Mapping[str, Track],
+    urdf: str,
+    trocars: Sequence[RecordedTrocar],
+    config: ReportConfig,
+) -> Track:
+    """Distance of the shaft's line from the trocar [m]; nan while the tip is not past it.
+
+    Args:
+        time: [s]. Shape (n,).
+        q: Position of each joint by its name [rad]. Each of shape (n,).
+        urdf: Text of the robot model.
+        trocars: At least those in force at these times.
+        config: Settings of the report.
+
+    Returns:
+        Shape (n,).
+
+    Raises:
+        ModelUnfit: There is no model or trocar, or these do not fit.
+    """
+    links = config.shaft
+    if not urdf:
+        raise ModelUnfit("no robot model (/robot_description)")
+    if not trocars:
+        raise ModelUnfit(f"no trocar ({config.topics.trocar})")
+    frames = {t.frame for t in trocars} - {links.base, ""}
     if frames:
-        return _none(f"the trocar is given in {', '.join(sorted(frames))}, not in {links.base}")
-    q = {name: joints[name] for name in joints.columns[1:]}
-    T_base_shaft = poses(data.urdf, links.base, links.link, q)
-    T_base_tip = poses(data.urdf, links.base, links.tip, q)
-    time = joints["time"]
-    offset = _trocars(data, time) - T_base_shaft[:, :3, 3]  # (n, 3)
-    direction = T_base_shaft[:, :3, 2]
+        where = ", ".join(sorted(frames))
+        raise ModelUnfit(f"the trocar is given in {where}, not in {links.base}")
+    shaft = poses(urdf, links.base, links.link, q, (2, 3))[:, :3]  # its z axis, its origin
+    tip = poses(urdf, links.base, links.tip, q, (3,))[:, :3, 0]
+    direction, origin = shaft[..., 0], shaft[..., 1]
+    offset = _trocars(trocars, time) - origin  # (n, 3)
     along = np.einsum("ij,ij->i", offset, direction)
     error = np.linalg.norm(offset - along[:, None] * direction, axis=1)
-    tip = np.einsum("ij,ij->i", T_base_tip[:, :3, 3] - T_base_shaft[:, :3, 3], direction)
-    error[tip < along] = np.nan  # the tip is not past the trocar
-    return JointRcm(time, error, is_within(time, data.states, MOVING), "")
+    error[np.einsum("ij,ij->i", tip - origin, direction) < along] = np.nan
+    return error
 
 
-def _trocars(data: SessionData, time: Track) -> Track:
+def _rcm(data: SessionData, config: ReportConfig) -> JointRcm:
+    joints = data.joints
+    if joints is None or not len(joints):
+        return _none("no joint states")
+    time, q = joints["time"], {name: joints[name] for name in joints.columns[1:]}
+    error = rcm_errors(time, q, data.urdf, data.trocars, config)
+    is_moving, peaks = is_within(time, data.states, MOVING), data.rcm_peaks
+    peak_time, peak = peaks["time"], peaks["error"]
+    moving = np.concatenate([error[is_moving], peak[is_within(peak_time, data.states, MOVING)]])
+    largest = float(np.nanmax(moving, initial=-math.inf))
+    return JointRcm(time, error, is_moving, peak_time, peak, largest)
+
+
+def _trocars(trocars: Sequence[RecordedTrocar], time: Track) -> Track:
     """Trocar at each time [m]; the first one also before it was heard. Shape (n, 3)."""
-    known = sorted(data.trocars, key=lambda t: t.time)
+    known = sorted(trocars, key=lambda t: t.time)
     index = np.searchsorted([t.time for t in known], time, side="right") - 1
     return np.array([t.position for t in known])[index.clip(0)]
 
 
 def _none(why: str) -> JointRcm:
-    return JointRcm(NO_TRACK, NO_TRACK, np.empty(0, dtype=bool), why)
+    nothing = np.empty(0)
+    return JointRcm(nothing, nothing, nothing > 0, nothing, nothing, -math.inf, why)

@@ -6,12 +6,16 @@ A simulated clock begins at zero, and the clocks of two hosts may differ.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from session_log.types import MessageSource
 
 APART = 3.0  # [s] between a stamp and its arrival; more is another clock
+NEAR = 0.1  # [s] between them at the least, of many messages; on one host it is below 0.04
+MANY = 20  # messages: not all of them were late
 
 Nanoseconds = NDArray[np.int64]
 
@@ -27,6 +31,14 @@ class StampClock:
     def __init__(self, source: MessageSource, lags: dict[str, float]) -> None:
         self._source, self._lags = source, lags
         self._is_other: bool | None = None  # unknown before the first stamp
+        self._count, self._smallest = 0, math.inf  # of stamps; [s] from one to its arrival
+
+    @property
+    def offset(self) -> tuple[str, float] | None:
+        """The topic, and by how much its stamps are off the recorder's clock [s]; None: hardly."""
+        is_known = self._count >= MANY and not (self._is_other or self._source.is_latched)
+        is_off = is_known and abs(self._smallest) > NEAR
+        return (self._source.topic, self._smallest) if is_off else None
 
     def in_log_time(
         self, stamps: Nanoseconds, arrivals: Nanoseconds, sent: Nanoseconds | None = None
@@ -40,6 +52,9 @@ class StampClock:
         """
         sent = stamps if sent is None else sent
         lag = (arrivals - sent)[sent != 0]
+        if len(lag):
+            self._count += len(lag)
+            self._smallest = min(self._smallest, float(lag.min()) * 1e-9)
         if self._is_other is None and len(lag):
             self._is_other = self._judge(float(np.median(lag)) * 1e-9)
         times = stamps + (arrivals - sent) if self._is_other else stamps

@@ -5,13 +5,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from session_log.config import ReportConfig
-from session_log.mcap_file.summary import RecordingSummary
 from session_log.report.session.analysis import (
     VOICE,
     CommandRow,
@@ -20,6 +19,7 @@ from session_log.report.session.analysis import (
     statistics,
 )
 from session_log.report.session.joint_margins import smallest_margin
+from session_log.report.session.namespaces import namespaces_of
 from session_log.report.session.session_data import SessionData, Track
 from session_log.report.session.shaft import JointRcm
 from session_log.report.session.tension import (
@@ -90,7 +90,7 @@ class SessionSummary:
     name: str
     started: float  # [s] since 1970; zero if nothing was recorded
     duration: float  # [s]
-    is_complete: bool  # closed, undamaged, unchanged, nothing missing, dropped or cut off
+    is_complete: bool  # nothing is known to be lacking in the recording or in these figures
     commit: str
     phrases: tuple[str, ...]
     knows_intent: bool  # whether it was recorded what was meant to be said
@@ -115,11 +115,12 @@ def summarise(
     """Reduce a session."""
     recording, condition = data.recording, data.recording.condition
     moving, tension = rcm_while_moving(data), measured_tension(data, config.topics.tension)
+    own = moments(rcm.while_moving)
     return SessionSummary(
         name=name,
         started=recording.start * 1e-9,
         duration=recording.duration,
-        is_complete=_is_complete(recording),
+        is_complete=_is_complete(data, config),
         commit=condition.latest("code").get("commit", ""),
         phrases=data.phrases,
         knows_intent=bool(data.intended),
@@ -127,7 +128,7 @@ def summarise(
         given=tuple(map(_given, rows)),
         ignored=sum(1 for heard in data.heard if not heard.command),
         rcm=moments(moving),
-        rcm_joints=moments(rcm.while_moving),
+        rcm_joints=replace(own, largest=max(own.largest, rcm.largest)),
         rcm_above=int(np.count_nonzero(moving > config.rcm_limit)),
         rcm_joints_above=int(np.count_nonzero(rcm.while_moving > config.rcm_limit)),
         tension=statistics(tension["tension"]).largest,
@@ -166,10 +167,13 @@ def from_json(values: dict[str, Any]) -> SessionSummary:
     )
 
 
-def _is_complete(recording: RecordingSummary) -> bool:
-    condition = recording.condition
+def _is_complete(data: SessionData, config: ReportConfig) -> bool:
+    recording, condition = data.recording, data.recording.condition
     is_sound = condition.is_closed and not condition.damage and condition.checksum != "wrong"
-    return is_sound and not (recording.missing or recording.dropped or recording.cuts)
+    lost = recording.missing or recording.dropped or recording.cuts
+    elsewhere = namespaces_of(vars(config.topics).values(), recording.topics)
+    unread = data.undecodable or data.missing_fields or elsewhere
+    return is_sound and not (lost or unread or recording.clock_steps or data.clock_offsets)
 
 
 def _given(row: CommandRow) -> GivenCommand:

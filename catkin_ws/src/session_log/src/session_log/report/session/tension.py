@@ -33,9 +33,11 @@ def measured_tension(data: SessionData, topic: str) -> SampledTable:
 
 
 def tension_with_target(data: SessionData) -> Track:
-    """Tension while there is a target [N]. Shape (n,)."""
+    """Tension while there is a target [N], as it was measured. Shape (n,)."""
     table = data.controller
-    return table["tension"][table["target"] > 0]
+    measured = data.tension if len(data.tension) and len(table) else table
+    state = np.searchsorted(table["time"], measured["time"], side="right") - 1
+    return measured["tension"][table["target"][state.clip(0)] > 0]
 
 
 def tension_error(data: SessionData) -> Track:

@@ -57,7 +57,8 @@ def unread_table(pool: Pool) -> TextTable:
 
 
 def _row(member: PooledSession) -> tuple[str, ...]:
-    began = f"{datetime.fromtimestamp(member.started):%Y-%m-%d %H:%M}" if member.started else NONE
+    time = datetime.fromtimestamp(member.started).astimezone()
+    began = f"{time:%Y-%m-%d %H:%M %Z}" if member.started else NONE
     margin = f"{math.degrees(member.margin):.1f}°" if math.isfinite(member.margin) else NONE
     return (
         member.name if member.is_complete else f"{member.name} (incomplete)",
@@ -82,4 +83,4 @@ def _words(member: PooledSession) -> str:
 def _link(page: Path | None, folder: Path) -> str:
     if page is None:
         return ""
-    return quote(os.path.relpath(page.resolve(), folder.resolve()))
+    return quote(os.fsencode(os.path.relpath(page.resolve(), folder.resolve())))
