@@ -110,8 +110,9 @@ def test_what_was_learned_for_a_command_that_is_gone_is_left_out():
     assert overlay(others, found).phrases == others.phrases
 
 
-def test_spellings_are_learned_from_takes():
-    said = [("tense", "mumble please"), ("release", "release")] * 2
+@pytest.mark.parametrize("more", [(), (("clamp", "mumble more"),)])  # of no command any more
+def test_spellings_are_learned_from_takes(more):
+    said = [("tense", "mumble please"), ("release", "release"), *more] * 2
     takes = [(phrase, say(text)) for phrase, text in said]
     commands = load_voice_config().commands
     found, refused = hear_spellings(takes, FakeRecognizer(), commands)

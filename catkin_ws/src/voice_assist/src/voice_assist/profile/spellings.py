@@ -91,7 +91,7 @@ def learn_spellings(
 def hear_spellings(
     takes: Iterable[tuple[str, Samples]], recognizer: Recognizer, commands: CommandsConfig
 ) -> tuple[Spellings, tuple[Refused, ...]]:
-    """Learn from takes, as a recogniser writes them.
+    """Learn from takes, as a recogniser writes them; none of a command that is no more.
 
     Args:
         takes: Phrase and sound of each. Shape (n,), 16 kHz.
@@ -100,12 +100,11 @@ def hear_spellings(
 
     Returns:
         What was learned, and what was not, with the reason.
-
-    Raises:
-        KeyError: A phrase is no command.
     """
     written: dict[str, list[str]] = {}
     for phrase, samples in takes:
+        if phrase not in commands.phrases:
+            continue
         heard = recognizer.transcribe(speech_of(samples, AROUND))
         written.setdefault(phrase, []).append(heard.text)
     return learn_spellings(written, commands)
