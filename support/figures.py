@@ -144,7 +144,13 @@ def rate(
 def percentiles(
     name: str, values: Sequence[float], unit: str, targets: dict[int, float] | None = None
 ) -> list[Figure]:
-    """Describe a sample by its p50, p95 and p99, with their upper bounds, and its maximum."""
+    """Describe a sample by its p50, p95 and p99, with their upper bounds, and its maximum.
+
+    Raises:
+        ValueError: There are no values.
+    """
+    if not len(values):
+        raise ValueError(f"{name}: no values")
     targets, n = targets or {}, f"n={len(values)}"
     found = []
     for p in (50, 95, 99):

@@ -79,7 +79,7 @@ def test_figures_of_nothing_are_not_met():
     """No samples must not look like an error of zero, in the bench or in the demonstration."""
     assert not Figure("rcm", math.nan, "um", 10.0).is_met
     assert not Figure("share", math.nan, "", 0.99, at_most=False).is_met
-    with pytest.raises(IndexError):
+    with pytest.raises(ValueError, match="rcm: no values"):
         percentiles("rcm", [], "um", {50: 10.0})
     assert math.isnan(worst_rcm_error(Observed()))
 

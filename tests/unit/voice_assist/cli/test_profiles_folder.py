@@ -105,10 +105,10 @@ def test_a_damaged_profile_or_an_odd_folder_does_not_end_the_list(profiles, caps
     with pytest.raises(SystemExit) as ended:
         main(["profiles", "list", "--profiles", str(folder)])
     assert not ended.value.code
-    first, *lines = capsys.readouterr().out.splitlines()
-    assert first.startswith("2 profiles in")
-    assert lines[0].startswith("ada ") and "profile.json is damaged" in " ".join(lines)
-    assert lines[-1].split() == ["zoe", "recording,", "0", "takes"]
+    shown = " ".join(capsys.readouterr().out.split())
+    assert shown.startswith("2 profiles in")
+    assert shown.index(" ada ") < shown.index("profile.json is damaged")
+    assert shown.endswith("zoe recording, 0 takes")
 
 
 def test_a_question_without_an_answer_deletes_nothing(profiles, capsys, monkeypatch):
