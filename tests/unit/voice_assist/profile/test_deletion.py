@@ -4,24 +4,12 @@
 import shutil
 from unittest.mock import Mock
 
-import numpy as np
 import pytest
 
-from tests.unit.voice_assist.support.records import take
 from voice_assist.profile.deletion import delete_profile
-from voice_assist.profile.profile import VoiceProfileError, create_profile, names
+from voice_assist.profile.profile import VoiceProfileError, names
 
 BASE = "ab" * 32
-
-
-@pytest.fixture
-def profile(tmp_path):
-    made = create_profile("ada", BASE, tmp_path / "profiles")
-    sound = np.linspace(-0.5, 0.5, 16000).astype(np.float32)
-    made.add_take(sound, take("tense"))
-    made.add_take(sound[::-1].copy(), take("release"))
-    made.put("model.pt", b"weights")
-    return made
 
 
 def test_deleting_leaves_nothing_even_of_a_damaged_profile(profile):

@@ -25,16 +25,6 @@ from voice_assist.profile.profile import (
 BASE = "ab" * 32
 
 
-@pytest.fixture
-def profile(tmp_path):
-    made = create_profile("ada", BASE, tmp_path / "profiles")
-    sound = np.linspace(-0.5, 0.5, 16000).astype(np.float32)
-    made.add_take(sound, take("tense"))
-    made.add_take(sound[::-1].copy(), take("release"))
-    made.put("model.pt", b"weights")
-    return made
-
-
 def test_only_the_owner_may_read_anything_of_it(profile):
     paths = [profile.folder.parent, profile.folder, *profile.folder.rglob("*")]
     modes = {path: stat.S_IMODE(path.stat().st_mode) for path in paths}
