@@ -8,6 +8,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -60,7 +61,7 @@ class Result:
     beside: str  # digest of its code other than that of hearing
     figures: tuple[Figure, ...]
 
-    @property
+    @cached_property  # asked for each figure
     def age(self) -> bool | str | None:
         """Which of `AGES` holds."""
         if self.code is None:

@@ -9,6 +9,7 @@ from typed_config.common_options import (
     check_writable,
     count_option,
     number_option,
+    replacing,
     run_command,
 )
 from typed_config.errors import ConfigError
@@ -54,6 +55,7 @@ __all__ = [
     "package_file",
     "package_folder",
     "package_version",
+    "replacing",
     "repository",
     "require",
     "require_rising",

@@ -9,7 +9,8 @@ import io
 import math
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
 
@@ -143,3 +144,20 @@ def count_option(words: str) -> int:
     if not (words.isascii() and words.isdigit() and int(words) > 0):
         raise argparse.ArgumentTypeError(f"{words!r}, allowed: a whole number from 1")
     return int(words)
+
+
+@contextmanager
+def replacing(path: Path, suffix: str) -> Iterator[Path]:
+    """A file to write beside another one, whose place it then takes; no error leaves it there.
+
+    Args:
+        path: To be replaced; its folder is made where it is missing.
+        suffix: Of the file to write.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_suffix(f".{os.getpid()}{suffix}")  # another program may write the same
+    try:
+        yield temporary
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)

@@ -23,7 +23,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import track
 
-from typed_config import check_writable
+from typed_config import check_writable, replacing
 from voice_assist.assembly import make_pipeline, make_recognizer
 from voice_assist.config import VoiceConfig
 from voice_assist.errors import ManifestError, VoiceError
@@ -182,12 +182,8 @@ def _write(path: Path, text: str) -> None:
             path.write_text(text, encoding="utf-8", newline="")
             return
         place = path.resolve()  # of a link
-        temporary = place.with_name(f"{place.name}.{os.getpid()}")
-        try:
+        with replacing(place, place.suffix) as temporary:
             temporary.write_text(text, encoding="utf-8", newline="")
-            temporary.replace(place)
-        finally:
-            temporary.unlink(missing_ok=True)
     except OSError as error:
         raise ManifestError(f"{path} cannot be written: {error.strerror}") from error
 

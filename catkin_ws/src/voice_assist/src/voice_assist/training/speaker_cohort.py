@@ -16,14 +16,13 @@ from random import Random
 
 import numpy as np
 
-from typed_config import check_writable, run_command
+from typed_config import check_writable, replacing, run_command
 from voice_assist.audio.sound_file import read_sound
 from voice_assist.errors import ManifestError, VoiceError
 from voice_assist.speaker.cohort import NEAREST, PATH, write_cohort
 from voice_assist.speaker.network import Vector, VoiceNetwork
 from voice_assist.speaker.speech import spoken
 from voice_assist.text.csv_rows import csv_rows
-from voice_assist.training.array_file import replacing
 from voice_assist.training.data.human import MANIFEST
 from voice_assist.types import RATE, Samples
 
