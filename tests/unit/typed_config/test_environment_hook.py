@@ -18,9 +18,9 @@ NOBODY = 65534
 BECOME = ("setpriv", f"--reuid={NOBODY}", f"--regid={NOBODY}", "--clear-groups")
 
 
-def sourced(*become, hook=HOOK / "10.environment.sh.in", **environment):
-    """The folder of ROS's files after sourcing, once and once more."""
-    line = 'set -e; . "$1"; . "$1"; printf %s "${ROS_HOME-unset}"'
+def sourced(*become, hook=HOOK / "10.environment.sh.in", shown="ROS_HOME", **environment):
+    """A variable after sourcing once and once more: the folder of ROS's files, if none is named."""
+    line = f'set -e; . "$1"; . "$1"; printf %s "${{{shown}-unset}}"'
     given = {"PATH": "/usr/bin:/bin", **environment}
     words = [*become, "/bin/sh", "-c", line, "sh", str(hook)]
     return subprocess.run(words, env=given, capture_output=True, text=True, check=True).stdout
@@ -87,3 +87,9 @@ def test_a_folder_that_is_named_stays(tmp_path):
 
 def test_nothing_is_set_where_nothing_can_be_written():
     assert sourced(HOME=NOWHERE, TMPDIR=NOWHERE) == "unset"
+
+
+@pytest.mark.parametrize(("before", "after"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "4"}, "4")])
+def test_numpy_keeps_to_one_core_where_nobody_says_otherwise(tmp_path, before, after):
+    found = sourced(shown="OPENBLAS_NUM_THREADS", HOME=str(tmp_path), **before)
+    assert found == after
