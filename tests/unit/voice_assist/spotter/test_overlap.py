@@ -141,15 +141,29 @@ def test_a_sound_that_grows_is_heard_whole_and_each_part_once(block, place):
     sound[int(place * len(sound))] = 1.0
     for until in range(block, len(sound) + 1, block):
         scorer.follow(sound[:until])
-    assert scorer.best(sound) == 1.0
+    assert scorer.best(sound, 0.0) == 1.0
     assert network.asked <= len(sound) / 3_840 + 1
+
+
+def test_a_window_in_the_quiet_after_the_last_word_is_asked_about_once():
+    network = Loudest()
+    scorer, sound = SoundScorer(network), np.zeros(32_000, np.float32)
+    scorer.follow(sound[:8_000])
+    assert network.asked == 2  # the second window ended with 7,680 samples
+    scorer.best(sound[:8_480], 0.05)  # so did the word, at the latest
+    assert network.asked == 2
+    scorer.best(sound[:9_000], 0.05)  # the quiet began after that window
+    scorer.best(sound[:10_000], 0.1125)
+    assert network.asked == 3
+    sound[10_100] = 1.0
+    assert scorer.best(sound[:11_000], 0.0) == 1.0
 
 
 def test_what_was_said_before_a_restart_counts_no_more():
     scorer, sound = SoundScorer(Loudest()), np.zeros(16_000, np.float32)
-    assert scorer.best(sound + 1.0) == 1.0
+    assert scorer.best(sound + 1.0, 0.0) == 1.0
     scorer.restart()
-    assert scorer.best(sound) == 0.0
+    assert scorer.best(sound, 0.0) == 0.0
 
 
 @pytest.mark.parametrize("seconds", [0.0, 0.3, 1.0, 3.0])

@@ -94,9 +94,7 @@ class Decider:
         if stop is not None:
             return stop
         if isinstance(outcome, Match):
-            is_motion = self._config.commands.get(outcome.command).is_motion
-            stop = self.stops.beside(transcript, partial) if is_motion else None
-            return stop or self.command(outcome, transcript, partial)
+            return self._taken_for(outcome, transcript, partial)
         if outcome is not None:
             asked = self._asked_for(outcome, transcript, partial, context)
             if asked is not None:
@@ -106,6 +104,14 @@ class Decider:
         if self._decoder.is_settled(partial):
             self._prepare(transcript, partial)
         return None
+
+    def _taken_for(
+        self, match: Match, transcript: Hypothesis, partial: PartialUtterance
+    ) -> Verdict:
+        """A command, or the stop that is said at the same time as a motion."""
+        is_motion = self._config.commands.get(match.command).is_motion
+        stop = self.stops.beside(transcript, partial) if is_motion else None
+        return stop or self.command(match, transcript, partial)
 
     def command(self, match: Match, transcript: Hypothesis, partial: PartialUtterance) -> Verdict:
         """A command that is no halt, or why it is not taken, by the scores of whole commands."""
@@ -143,7 +149,7 @@ class Decider:
         match = self._mapper.almost(transcript.text, ask.max_distance) if may_ask else None
         if match is None or not self._config.commands.get(match.command).is_motion:
             return None
-        verdict = self.stops.beside(transcript, partial) or self.command(match, transcript, partial)
+        verdict = self._taken_for(match, transcript, partial)
         if verdict.outcome == match:
             doubt = to_be_confirmed(ask, "nearly sure", outcome.rejection.words)
             return replace(verdict, outcome=match.rejected(doubt))
@@ -209,4 +215,4 @@ class Decider:
         """Compute in the pause what a decision at its end will need."""
         match = self._mapper(transcript.text)
         if isinstance(match, Match) and match.command not in self.stops.halts:
-            self.command(match, transcript, partial)
+            self._taken_for(match, transcript, partial)

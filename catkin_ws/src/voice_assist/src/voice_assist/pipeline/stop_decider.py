@@ -34,8 +34,8 @@ class StopInSound(Protocol):
     def follow(self, sound: Samples) -> None:
         """Take the sound so far, so that little is left to do when it is asked."""
 
-    def best(self, sound: Samples) -> float:
-        """Of all of the sound so far."""
+    def best(self, sound: Samples, quiet: float) -> float:
+        """Of all of the sound so far, at whose end nothing was said for `quiet` [s]."""
         ...
 
     def newest(self, sound: Samples) -> float:
@@ -186,7 +186,7 @@ class StopDecider:
         written = any(contains(words, normalize(halt)) for halt in self.halts)
         if self._stop_in_sound is None or written or self._early_decision.has_halted:
             return None
-        score = self._stop_in_sound.best(partial.utterance.samples)
+        score = self._stop_in_sound.best(partial.utterance.samples, partial.quiet)
         if score < self._config.spotter.over_talk_alone:
             return None
         match = Match(self._stop_fusion.phrase, self._mapper(transcript.text).wer)
@@ -205,8 +205,9 @@ class StopDecider:
         by_spotter = float("inf") if spotted is None else moving.spotter_alone - spotted
         missing = [(by_spotter, moving.spotter_alone - moving.refuse_spotter)]
         if self._stop_in_sound is not None:
-            lacks = moving.over_talk_alone - self._stop_in_sound.best(partial.utterance.samples)
-            missing.append((lacks, moving.over_talk_alone - moving.refuse_over_talk))
+            score = self._stop_in_sound.best(partial.utterance.samples, partial.quiet)
+            allowed = moving.over_talk_alone - moving.refuse_over_talk
+            missing.append((moving.over_talk_alone - score, allowed))
         if all(lacks > allowed for lacks, allowed in missing):
             return None
         lacks = min(lacks for lacks, _ in missing)

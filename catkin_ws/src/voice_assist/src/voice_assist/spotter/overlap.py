@@ -22,7 +22,7 @@ from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, Checkpoint, read_c
 from voice_assist.recognizer.hybrid import encode_short
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.safe_weights import check_weights, read_for_encoder, write_for_encoder
-from voice_assist.types import Samples
+from voice_assist.types import RATE, Samples
 
 PATH = package_folder("voice_assist") / "models" / "overlap.pt"
 STEP = 1280  # samples between two windows, 80 ms
@@ -176,7 +176,7 @@ def overlap_scorer(network: OverlapNetwork) -> Callable[[Windows], float]:
 class SoundScorer:
     """The network for the sound of an utterance that grows; asks about each part of it once.
 
-    Its windows end 0.24 s apart. Before the sound there is silence.
+    Its windows end 0.24 s apart, and where it is asked. Before the sound there is silence.
     """
 
     def __init__(self, network: OverlapNetwork) -> None:
@@ -186,21 +186,32 @@ class SoundScorer:
 
     def restart(self) -> None:
         """What follows is another sound."""
-        self._best, self._until = STEADY, 0
+        self._best, self._until, self._asked_until = STEADY, 0, 0
 
     def follow(self, sound: Samples) -> None:
         """Take the sound so far, shape (n,); the windows that have become whole are asked about."""
         if ends := range(self._until + _HOP, len(sound) + 1, _HOP):
-            self._best, self._until = max(self._best, self._score(sound, ends)), ends[-1]
+            self._until = ends[-1]
+            self._ask(sound, ends)
 
-    def best(self, sound: Samples) -> float:
-        """The best log-odds [nat] of all windows of the sound so far, and of one at its end."""
+    def best(self, sound: Samples, quiet: float) -> float:
+        """The best log-odds [nat] of all windows of the sound so far, and of one in its last quiet.
+
+        Args:
+            sound: Shape (n,).
+            quiet: At its end, in which nothing was said [s]; 0: the last window ends with it.
+        """
         self.follow(sound)
-        return max(self._best, self._score(sound, (len(sound),)))
+        if self._asked_until < max(len(sound) - quiet * RATE, 1):
+            self._ask(sound, (len(sound),))
+        return self._best
 
     def newest(self, sound: Samples) -> float:
         """The best log-odds [nat] of a word that ended in the newest 1.1 s of a sound."""
         return self._score(sound, range(len(sound), 0, -_HOP)[:_NEWEST] or (0,))
+
+    def _ask(self, sound: Samples, ends: Sequence[int]) -> None:
+        self._best, self._asked_until = max(self._best, self._score(sound, ends)), ends[-1]
 
     def _score(self, sound: Samples, ends: Sequence[int]) -> float:
         padded = np.concatenate([np.zeros(WINDOW, np.float32), sound.astype(np.float32)])
