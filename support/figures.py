@@ -150,7 +150,7 @@ def percentiles(
         ValueError: There are no values.
     """
     if not len(values):
-        raise ValueError(f"{name}: no values")
+        raise ValueError(f"{name}: no values, allowed: at least one")
     targets, n = targets or {}, f"n={len(values)}"
     found = []
     for p in (50, 95, 99):

@@ -3,20 +3,18 @@
 
 from __future__ import annotations
 
-import re
 from functools import cache
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+from genmsg.msgs import BUILTIN_TYPES, bare_msg_type, resolve_type
 from genpy.dynamic import generate_dynamic
 
 from session_log.types import MessageSource
 
 ROOT = Path(__file__).resolve().parents[1]
 SEPARATOR = "\n" + "=" * 80 + "\nMSG: "
-BUILT_IN = {"bool", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64"}
-BUILT_IN |= {"float32", "float64", "string", "time", "duration", "byte", "char"}
 
 
 def definition_of(datatype: str) -> str:
@@ -56,24 +54,16 @@ def serialise(message: Any) -> bytes:
 
 def _own_text(datatype: str) -> str:
     package, name = datatype.split("/")
-    for folder in (ROOT / "catkin_ws/src" / package, Path("/usr/share") / package):
-        path = folder / "msg" / f"{name}.msg"
+    folders = (ROOT / "catkin_ws/src", Path("/usr/share"))
+    for folder in folders:
+        path = folder / package / "msg" / f"{name}.msg"
         if path.exists():
             return path.read_text(encoding="utf-8")
-    raise FileNotFoundError(f"{datatype}: no .msg file")
+    raise FileNotFoundError(f"{package}/msg/{name}.msg, neither in {folders[0]} nor {folders[1]}")
 
 
 def _nested(datatype: str) -> list[str]:
     package = datatype.split("/")[0]
-    found = []
-    for line in _own_text(datatype).splitlines():
-        words = line.split("#", 1)[0].split()
-        if not words:
-            continue
-        kind = re.sub(r"\[\d*\]$", "", words[0])
-        if kind in BUILT_IN:
-            continue
-        if kind == "Header":
-            kind = "std_msgs/Header"
-        found.append(kind if "/" in kind else f"{package}/{kind}")
-    return found
+    lines = (line.split("#", 1)[0].split() for line in _own_text(datatype).splitlines())
+    kinds = (resolve_type(bare_msg_type(words[0]), package) for words in lines if words)
+    return [kind for kind in kinds if kind not in BUILTIN_TYPES]

@@ -9,6 +9,7 @@ import struct
 import threading
 import time
 from contextlib import suppress
+from pathlib import Path
 
 import rosgraph
 import rosgraph.network
@@ -36,8 +37,8 @@ def process_of(node: str) -> int:
 
 def resident_memory(process: int) -> float:
     """Memory that a process holds [MB]."""
-    with open(f"/proc/{process}/statm", encoding="ascii") as statm:  # noqa: PTH123 - /proc
-        return int(statm.read().split()[1]) * os.sysconf("SC_PAGESIZE") / 1e6
+    statm = Path(f"/proc/{process}/statm").read_text(encoding="ascii")
+    return int(statm.split()[1]) * os.sysconf("SC_PAGESIZE") / 1e6
 
 
 def words(text: str | bytes) -> bytes:
@@ -74,10 +75,9 @@ class Peer:
 
     def greet(self) -> dict[str, str]:
         """Read the controller's own header."""
-        (size,) = struct.unpack("<I", self.take(4))
-        return rosgraph.network.decode_ros_handshake_header(
-            struct.pack("<I", size) + self.take(size)
-        )
+        head = self.take(4)
+        (size,) = struct.unpack("<I", head)
+        return rosgraph.network.decode_ros_handshake_header(head + self.take(size))
 
     def call(self, text: str | bytes) -> tuple[bool, str]:
         """Give a command, and wait for the answer: accepted or not, and the message."""

@@ -140,14 +140,8 @@ class Story:
 
     def event(self, time: float, kind: str, command: str, message: str) -> None:
         """An event."""
-        self.say(
-            time,
-            "/rst_control/event",
-            "rst_control/Event",
-            kind=kind,
-            command=command,
-            message=message,
-        )
+        fields = {"kind": kind, "command": command, "message": message}
+        self.say(time, "/rst_control/event", "rst_control/Event", **fields)
 
     def motions(self) -> None:
         """Beginning and end of every phase, in the event log."""
@@ -211,28 +205,17 @@ class Story:
     def others(self) -> None:
         """Diagnostics, pictures, trocar, sound, URDF."""
         for k in range(int(self.duration)):
-            array = class_of("diagnostic_msgs/DiagnosticArray")()
             status = class_of("diagnostic_msgs/DiagnosticStatus")()
             status.name, status.message = "controller: loop", "late" if k == 20 else "running"
             status.level = 1 if k == 20 else 0
             value = class_of("diagnostic_msgs/KeyValue")()
             value.key, value.value = "late ticks", str(3 if k >= 20 else 0)
             status.values = [value]
-            array.status = [status]
-            self.say(
-                k + 0.5,
-                "/diagnostics",
-                "diagnostic_msgs/DiagnosticArray",
-                status=array.status,
-            )
+            kind = "diagnostic_msgs/DiagnosticArray"
+            self.say(k + 0.5, "/diagnostics", kind, status=[status])
+        topic, kind = "/robot/scene/compressed", "sensor_msgs/CompressedImage"
         for k, time in enumerate((4.0, 11.5, 18.0, 34.0, 43.0)):
-            self.say(
-                time,
-                "/robot/scene/compressed",
-                "sensor_msgs/CompressedImage",
-                format="png",
-                data=png(320, 240, k),
-            )
+            self.say(time, topic, kind, format="png", data=png(320, 240, k))
         for time, command in INTENDED:
             self.say(time, "/voice_assist/intended", "std_msgs/String", data=command)
         self.trocar(0.05, TROCAR)
@@ -243,16 +226,13 @@ class Story:
 
     def trocar(self, time: float, position: tuple[float, float, float]) -> None:
         """The remote centre from a time on."""
-        point = class_of("geometry_msgs/Point")()
-        point.x, point.y, point.z = position
-        message = class_of("geometry_msgs/PointStamped")()
+        topic, kind = "/rst_control/trocar", "geometry_msgs/PointStamped"
+        message = class_of(kind)()
         message.header.frame_id = "base_link"
-        self.sources["/rst_control/trocar"] = source_of(
-            "/rst_control/trocar", "geometry_msgs/PointStamped"
-        )
+        message.point.x, message.point.y, message.point.z = position
+        self.sources[topic] = source_of(topic, kind)
         self.set_time(message.header.stamp, time)
-        message.point = point
-        self.put(time, "/rst_control/trocar", serialise(message))
+        self.put(time, topic, serialise(message))
 
     def audio(self) -> None:
         """Noise, louder where there is speech."""
@@ -261,14 +241,8 @@ class Story:
             is_speech = any(b <= time < b + n for b, n, *_ in SPEECH)
             level = 6000 if is_speech else 80
             samples = self.rng.normal(0, level, 512).clip(-32767, 32767).astype(np.int16)
-            self.say(
-                time,
-                "/voice_assist/audio",
-                "voice_assist/AudioChunk",
-                rate=16000,
-                first_sample=k * 512,
-                samples=samples.tolist(),
-            )
+            fields = {"rate": 16000, "first_sample": k * 512, "samples": samples.tolist()}
+            self.say(time, "/voice_assist/audio", "voice_assist/AudioChunk", **fields)
 
 
 def numbered(messages: Iterable[Message]) -> Iterator[Message]:

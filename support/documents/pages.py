@@ -37,11 +37,8 @@ class Setting:
 
     def row(self) -> str:
         """Its row in the table."""
-        cells = (
-            f"`{self.name}`",
-            f"`{self.value}`" if self.value else "",
-            _cell(" ".join(self.words)),
-        )
+        value = f"`{self.value}`" if self.value else ""
+        cells = (f"`{self.name}`", value, _cell(" ".join(self.words)))
         return f"| {' | '.join(cells)} |"
 
 

@@ -9,9 +9,7 @@ import sys
 import time
 import unittest
 from collections.abc import Sequence
-from xmlrpc.client import ServerProxy
 
-import rosgraph
 import rospy
 import rostest
 from geometry_msgs.msg import WrenchStamped
@@ -21,6 +19,7 @@ from std_srvs.srv import Trigger
 
 from rst_control.msg import ControllerState, Event
 from rst_control.srv import Command
+from support.raw_peer import process_of
 from support.waiting import PATIENCE
 
 START_LIMIT = PATIENCE  # [s] for the simulator and the compiled kernels to come up
@@ -201,9 +200,7 @@ def apart(one: Sequence[float], other: Sequence[float]) -> float:
 
 def kill(node: str) -> None:
     """End a node as a crash does; a launch starts most of them again."""
-    me = rospy.get_name()
-    address = rosgraph.Master(me).lookupNode(node)
-    os.kill(ServerProxy(address).getPid(me)[2], signal.SIGKILL)
+    os.kill(process_of(node), signal.SIGKILL)
 
 
 class RobotTest(unittest.TestCase):

@@ -13,7 +13,6 @@ import tempfile
 import threading
 import time
 from contextlib import contextmanager
-from io import BytesIO
 from pathlib import Path
 
 import rospy
@@ -21,6 +20,7 @@ import rostopic
 from rospy.impl.tcpros_pubsub import TCPROSPub
 
 from session_log.ros.player_node import RawMessage
+from support.message_classes import serialise
 from support.waiting import PATIENCE
 
 NAME = "/play_1700000000"
@@ -42,10 +42,8 @@ class Copies:
         ]
 
     def _keep(self, message, topic):
-        data = BytesIO()
-        message.serialize(data)
         first = message._connection_header["callerid"]
-        self.messages.append((topic, message._type, message._md5sum, first, data.getvalue()))
+        self.messages.append((topic, message._type, message._md5sum, first, serialise(message)))
 
     def close(self):
         for link in self._links:

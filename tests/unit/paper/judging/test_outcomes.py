@@ -23,9 +23,7 @@ END = 0.8  # [s] of the sound
 
 
 def row(decided, command="pull more", result="accepted", message="", action=None):
-    heard = RecordedUtterance(
-        0.1, 0.9, decided, command, command, "", command, 0.0, 0.9, "active", "recognizer", False
-    )
+    heard = RecordedUtterance(0.1, 0.9, decided, command, command, "", command, 0.0, False)
     return CommandRow(command, heard, decided + 0.01, result, message, action)
 
 

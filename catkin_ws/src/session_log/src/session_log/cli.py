@@ -14,12 +14,14 @@ from pathlib import Path
 
 from session_log.config import ReportConfig
 from session_log.errors import OutputFailed, SessionLogError, SessionMissing
+from session_log.export.export import FORMATS, export_topics
 from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.recover import recover
 from session_log.mcap_file.session_folder import RECOVERED, report_folder
 from session_log.mcap_file.summary import RecordingSummary, read_summary
 from session_log.recording.recorder import MANY_PUBLISHERS
-from session_log.replay.command import add_replay_options
-from session_log.report.command import add_options
+from session_log.replay import command as replay_command
+from session_log.report import command as report_command
 from session_log.report.notes import Note, add_note
 from typed_config import (
     ConfigError,
@@ -61,8 +63,6 @@ def _info(arguments: argparse.Namespace) -> int:
 
 
 def _recover(arguments: argparse.Namespace) -> int:
-    from session_log.mcap_file.recover import recover
-
     reader = SessionReader(arguments.session, tolerant=True)
     target = arguments.out or reader.path.with_name(f"{reader.path.stem}{RECOVERED}.mcap")
     if target.exists():
@@ -78,17 +78,13 @@ def _recover(arguments: argparse.Namespace) -> int:
 
 
 def _export(arguments: argparse.Namespace) -> int:
-    from session_log.export.export import FORMATS, Format, export_topics
-
-    config = _config(arguments.config)
-    topics = config.topics
+    topics = load_file(ReportConfig, arguments.config).topics
     wanted = [topics.utterance, topics.event, topics.state, topics.mode]
     if arguments.topic:
         wanted = ["/" + topic.strip("/") for topic in arguments.topic]
     reader = SessionReader(arguments.session)
     folder = arguments.out or report_folder(reader.path) / "export"
-    formats: tuple[Format, ...] = FORMATS[arguments.format]
-    result = export_topics(reader, folder, wanted, topics.audio, formats)
+    result = export_topics(reader, folder, wanted, topics.audio, FORMATS[arguments.format])
     for path, rows in result.rows.items():
         print(f"{path}: {rows} rows")
     without = set(wanted) - result.topics
@@ -129,20 +125,8 @@ def _require_within(reader: SessionReader, moment: float) -> None:
         require(moment <= length, "--at", moment, allowed)
 
 
-def _replay(arguments: argparse.Namespace) -> int:
-    from session_log.replay.command import run
-
-    return run(arguments)
-
-
 def _report(arguments: argparse.Namespace) -> int:
-    from session_log.report.command import run
-
-    return run(arguments, _config(arguments.config))
-
-
-def _config(path: Path) -> ReportConfig:
-    return load_file(ReportConfig, path)
+    return report_command.run(arguments, load_file(ReportConfig, arguments.config))
 
 
 def _print_summary(result: RecordingSummary, path: Path) -> None:
@@ -202,9 +186,8 @@ def _as_json(result: RecordingSummary) -> dict[str, object]:
     }
     condition = asdict(result.condition)
     condition["metadata"] = dict(result.condition.metadata)
-    start = result.start * 1e-9
     return {
-        "start": start,
+        "start": result.start * 1e-9,
         "duration": result.duration,
         "clock_steps": [asdict(step) for step in result.clock_steps],
         "condition": condition,
@@ -218,16 +201,14 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     info = _command(commands, "info", _info, "say what a recording holds and what it lost")
     info.add_argument("--json", action="store_true", help="as JSON")
-    recover = _command(commands, "recover", _recover, "copy what is readable to a sound file")
-    recover.add_argument("--out", type=Path, help="file to write; default: beside the recording")
-    replay = _command(
-        commands, "replay", _replay, "hear again, and list what comes out differently"
-    )
-    add_replay_options(replay)
+    copy = _command(commands, "recover", _recover, "copy what is readable to a sound file")
+    copy.add_argument("--out", type=Path, help="file to write; default: beside the recording")
+    words = "hear again, and list what comes out differently"
+    replay_command.add_options(_command(commands, "replay", replay_command.run, words))
     export = _command(commands, "export", _export, "topics to CSV or Parquet, sound to WAV")
     where = "folder; default: export beside the recording, below its name where others lie there"
     export.add_argument("--out", type=Path, help=where)
-    export.add_argument("--format", choices=("csv", "parquet", "both"), default="csv")
+    export.add_argument("--format", choices=FORMATS, default="csv")
     export.add_argument("--topic", action="append", help="a topic to write, instead of the usual")
     note = _command(commands, "note", _note, "write a note on a recording, for its report")
     note.add_argument("words", nargs="+", help="what to note")
@@ -236,7 +217,7 @@ def _parser() -> argparse.ArgumentParser:
     words = "one HTML page and its figures as PNG, of one session or over many"
     report = commands.add_parser("report", help=words, description=words)
     report.set_defaults(run=_report)
-    add_options(report)
+    report_command.add_options(report)
     for command in (export, report):
         command.add_argument("--config", type=Path, default=CONFIG, help="settings of the report")
     return parser

@@ -162,7 +162,7 @@ def test_a_command_with_dollar_signs_is_drawn_as_it_is(material, name):
 def test_a_tension_of_the_controller_that_is_no_number_leaves_the_others_drawn(material):
     table = SampledTable(material.data.controller.columns)
     tension, target = np.array([1.0, math.nan, math.inf]), np.full(3, 2.0)
-    table.extend(np.arange(3.0), np.zeros(3), tension, target, np.zeros(3), np.zeros(3))
+    table.extend(np.arange(3.0), np.zeros(3), tension, target, np.zeros(3))
     nothing = SampledTable(material.data.tension.columns)
     odd = replace(material, data=replace(material.data, tension=nothing, controller=table))
     figure = TensionFigure().draw(odd, WIDE)
@@ -279,7 +279,7 @@ def test_the_sound_of_the_timeline_has_gaps_where_nothing_was_recorded(material)
 )
 def test_why_there_is_no_rcm_error_is_said(material, parts, expected):
     table = SampledTable(material.data.controller.columns)
-    table.extend(np.arange(3.0)[: parts["states"]], *np.full((5, parts["states"]), math.nan))
+    table.extend(np.arange(3.0)[: parts["states"]], *np.full((4, parts["states"]), math.nan))
     rcm = replace(material.rcm, error=material.rcm.error * math.nan, lacking=parts["lacking"])
     rcm = replace(rcm, peak=rcm.peak * math.nan)
     odd = replace(material, data=replace(material.data, controller=table), rcm=rcm)

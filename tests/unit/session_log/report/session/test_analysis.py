@@ -18,9 +18,7 @@ from session_log.report.session.session_data import (
 
 def heard(command, end, decision, transcript=None):
     words = command if transcript is None else transcript
-    return RecordedUtterance(
-        end - 0.5, end, decision, words, command, "", command, 0.0, 0.9, "active", "r", 0
-    )
+    return RecordedUtterance(end - 0.5, end, decision, words, command, "", command, 0.0, False)
 
 
 def session(heard=(), events=(), states=()):
@@ -271,7 +269,7 @@ def test_statistics_agree_with_numpy_and_leave_nan_out():
     found = analysis.statistics(x)
     assert (found.count, found.mean, found.median, found.largest) == (3, 2.0, 2.0, 3.0)
     assert found.rms == pytest.approx(math.sqrt(14 / 3))
-    assert math.isnan(analysis.statistics([]).mean)
+    assert math.isnan(analysis.statistics(np.empty(0)).mean)
 
 
 def test_rcm_error_counts_only_while_moving(data):

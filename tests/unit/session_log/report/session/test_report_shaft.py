@@ -16,7 +16,7 @@ from session_log.report.session.session_data import (
     SessionData,
     Span,
 )
-from session_log.report.session.shaft import is_within, rcm_from_joints
+from session_log.report.session.shaft import is_moving, rcm_from_joints
 from support.story_script import TROCAR_CHANGE, URDF, joint_text
 
 ROOT = Path(__file__).resolve().parents[5]
@@ -105,12 +105,12 @@ def test_what_is_lacking_is_named(report_config, changes, why):
     assert why in found.lacking and len(found.error) == 0
 
 
-def test_times_are_found_within_spans_of_a_word():
+def test_times_are_found_at_which_the_robot_moved():
     spans = [
         Span(0.0, 1.0, "active"),
         Span(1.0, 2.0, "moving"),
         Span(2.0, 3.0, "stopping"),
     ]
     time = np.array([0.5, 1.0, 1.9, 2.0, 3.0])
-    found = is_within(time, spans, ("moving", "stopping"))
+    found = is_moving(time, spans)
     assert found.tolist() == [False, True, True, True, False]

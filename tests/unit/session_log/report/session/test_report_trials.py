@@ -19,9 +19,7 @@ COMMANDS = ("hey robot", "tense", "pull more", "stop")
 
 def heard(start, transcript, command=""):
     end = start + 0.5
-    return RecordedUtterance(
-        start, end, end + 0.2, transcript, command, "", "", 0.0, 0.9, "active", "r", False
-    )
+    return RecordedUtterance(start, end, end + 0.2, transcript, command, "", "", 0.0, False)
 
 
 def judge(config, intended, said, phrases=COMMANDS):

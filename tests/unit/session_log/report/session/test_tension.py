@@ -28,9 +28,7 @@ def session(parameters, topics=(), tension=(1.5,), target=0.0):
     counts = {topic: TopicCount("geometry_msgs/WrenchStamped", 1) for topic in topics}
     data = SessionData(RecordingSummary(condition, counts))
     zeros = np.zeros(len(tension))
-    data.controller.extend(
-        np.arange(len(tension)), zeros, np.array(tension), zeros + target, zeros, zeros
-    )
+    data.controller.extend(np.arange(len(tension)), zeros, np.array(tension), zeros + target, zeros)
     return data
 
 

@@ -14,9 +14,7 @@ BLOCK, RATE = 0.032, 16000
 
 
 def utterance(start, end):
-    return RecordedUtterance(
-        start, end, end, "tense", "tense", "", "tense", 0.0, 1.0, "active", "recognizer", False
-    )
+    return RecordedUtterance(start, end, end, "tense", "tense", "", "tense", 0.0, False)
 
 
 def pass_by(sounds, begin, end):

@@ -38,7 +38,7 @@ def read_columns(reader: SessionReader, topic: str) -> dict[str, NDArray[Any]]:
         row.update((name, _plain(value)) for name, value in fields_of(decoder.decode(message)))
         for name in columns or row:
             if name not in row:
-                raise MissingField(message, name)
+                raise MissingField(message.source, name)
             columns.setdefault(name, []).append(row[name])
     return {name: _column(values) for name, values in columns.items()}
 

@@ -10,10 +10,9 @@ from typing import Any
 import pyarrow as pa
 from genpy.dynamic import generate_dynamic
 
-from session_log.mcap_file.decoder import present_definition
+from session_log.mcap_file.decoder import parts_of, present_definition
 from session_log.types import MessageSource
 
-NANOSECONDS = 1_000_000_000
 TIME: Mapping[str, str] = {"unit": "ns since 1970-01-01T00:00:00Z"}
 DURATION: Mapping[str, str] = {"unit": "ns"}
 PRIMITIVES: Mapping[str, pa.DataType] = {
@@ -36,7 +35,6 @@ PRIMITIVES: Mapping[str, pa.DataType] = {
 }
 LOG_TIME = pa.field("log_time", pa.int64(), False, {**TIME, "meaning": "when it was received"})
 _ARRAY = re.compile(r"(.+)\[\d*\]$")
-_PARTS = re.compile(r"^=+\nMSG: ", re.MULTILINE)
 _COMMENTED = re.compile(r"^[ \t]*[\w/\[\]]+[ \t]+(\w+)[ \t]*#(.+)$", re.MULTILINE)
 _OCTETS = ("uint8", "char")
 
@@ -121,7 +119,7 @@ class Columns:
         if name in self._classes:
             return lambda value: self._struct(name, value)
         if name in ("time", "duration"):
-            return lambda value: value.secs * NANOSECONDS + value.nsecs
+            return lambda value: value.to_nsec()
         if name == "byte":
             return _byte
         return bool if name == "bool" else _as_it_is
@@ -139,9 +137,7 @@ def _slots(kind: Any) -> list[tuple[str, str]]:
 def _comments(datatype: str, definition: str) -> dict[tuple[str, str], str]:
     """Comments behind the fields of a definition, by type and field."""
     found = {}
-    for number, part in enumerate(_PARTS.split(definition)):
-        first, _, rest = part.partition("\n")
-        kind, lines = (datatype, part) if number == 0 else (first.strip(), rest)
+    for kind, lines in parts_of(datatype, definition).items():
         for field in _COMMENTED.finditer(lines):
             found[kind, field[1]] = field[2].strip()
     return found

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from session_log.mcap_file.decoder import present_definition
+from session_log.mcap_file.decoder import parts_of, present_definition
 
 PRIMITIVES: Mapping[str, str] = {
     **{"bool": "?", "byte": "i1", "char": "u1", "float32": "<f4", "float64": "<f8"},
@@ -27,7 +27,6 @@ PRIMITIVES: Mapping[str, str] = {
 STAMP = np.dtype([("secs", "<u4"), ("nsecs", "<u4")])
 DURATION = np.dtype([("secs", "<i4"), ("nsecs", "<i4")])
 _LENGTH = struct.Struct("<I")
-_PART = re.compile(r"^=+\nMSG: (\S+)$", re.MULTILINE)
 _FIELD = re.compile(r"^[ \t]*([\w/]+)(?:\[(\d*)\])?[ \t]+(\w+)[ \t]*(?:#.*)?$", re.MULTILINE)
 
 
@@ -154,7 +153,9 @@ class _Layout:
         self.lengths: list[int] = []  # places of the lengths of strings and arrays
 
     def message(self, kind: str, prefix: str) -> None:
-        for field in self._kinds[_resolved(kind, self._kinds)]:
+        if kind not in self._kinds:
+            raise ValueError(f"no definition of {kind}")
+        for field in self._kinds[kind]:
             self._field(field, prefix + field.name, kind)
 
     def _field(self, field: Field, name: str, parent: str) -> None:
@@ -162,8 +163,6 @@ class _Layout:
         single = _dtype(field.kind)
         if single is not None:
             self._take(name, single if count < 0 else np.dtype((single, (count,))))
-        elif field.kind == "string" and count < 0:
-            self._take(name, np.dtype(f"S{self._length()}"))
         else:
             for k in range(abs(count)):
                 inner = name if count < 0 else f"{name}[{k}]"
@@ -188,14 +187,11 @@ class _Layout:
 
 
 def _definitions(datatype: str, definition: str) -> dict[str, list[Field]]:
-    first, *rest = _PART.split(definition)
-    parts = {datatype: first, **dict(zip(rest[::2], rest[1::2], strict=True))}
     return {
         kind: [
-            Field(base, -1 if count is None else int(count or 0), name)
-            for base, count, name in ((m[1], m[2], m[3]) for m in _FIELD.finditer(text))
+            Field(m[1], -1 if m[2] is None else int(m[2] or 0), m[3]) for m in _FIELD.finditer(text)
         ]
-        for kind, text in parts.items()
+        for kind, text in parts_of(datatype, definition).items()
     }
 
 
@@ -210,12 +206,6 @@ def _full_name(kind: str, parent: str, kinds: Mapping[str, Any]) -> str:
         return "std_msgs/Header"
     beside = f"{parent.rsplit('/', 1)[0]}/{kind}"
     return beside if beside in kinds else kind
-
-
-def _resolved(kind: str, kinds: Mapping[str, Any]) -> str:
-    if kind not in kinds:
-        raise ValueError(f"no definition of {kind}")
-    return kind
 
 
 def _plain(values: NDArray[Any]) -> NDArray[Any]:

@@ -15,7 +15,7 @@ from mcap_ros1.decoder import DecoderFactory
 
 from session_log.errors import SessionLogError
 from session_log.mcap_file.encoding import WrongEncoding
-from session_log.types import MESSAGE_ENCODING, SCHEMA_ENCODING, Message
+from session_log.types import MESSAGE_ENCODING, SCHEMA_ENCODING, Message, MessageSource
 
 RENAMED_FIELDS: Mapping[str, Mapping[str, str]] = {  # by type of message: former to present name
     "rst_control/ControllerState": {"active": "assistance_enabled"},
@@ -40,10 +40,9 @@ class Undecodable(SessionLogError):
 class MissingField(SessionLogError):
     """A message was recorded without a field that its reader needs."""
 
-    def __init__(self, message: Message, field: str) -> None:
-        source = message.source
+    def __init__(self, source: MessageSource, field: str) -> None:
         super().__init__(f"{source.topic}: {source.datatype} was recorded without {field!r}")
-        self.topic, self.field = source.topic, field
+        self.topic = source.topic
 
 
 class Decoder:
@@ -82,7 +81,7 @@ class Decoder:
         except AttributeError as error:
             if error.obj is not content:
                 raise
-            raise MissingField(message, str(error.name)) from error
+            raise MissingField(message.source, str(error.name)) from error
 
     def _learn(self, datatype: str, definition: str) -> Callable[[bytes], Any]:
         schema = Schema(
@@ -110,6 +109,12 @@ def fields_of(content: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
 def is_time(value: Any) -> bool:
     """Whether a decoded value is a time or a duration."""
     return hasattr(value, "secs") and hasattr(value, "nsecs")
+
+
+def parts_of(datatype: str, definition: str) -> dict[str, str]:
+    """Text of a definition by type: that of the message, then those of the nested ones."""
+    first, *rest = _PART.split(definition)
+    return {datatype: first, **dict(zip(rest[1::3], rest[2::3], strict=True))}
 
 
 def present_definition(datatype: str, definition: str) -> str:

@@ -192,7 +192,8 @@ class _Pass:
     def _note(self, record: McapRecord) -> None:
         try:
             if record.opcode == records.SCHEMA:
-                self._add_schema(Schema.read(_stream(record.body)))
+                schema = Schema.read(_stream(record.body))
+                self._schemas[schema.id] = schema
             elif record.opcode == records.CHANNEL:
                 self._add_channel(Channel.read(_stream(record.body)))
                 self._named_at = record.offset
@@ -212,9 +213,6 @@ class _Pass:
         self._is_data_over = True
         if checksum:
             self._condition.checksum = "good" if checksum == self._checksum else "wrong"
-
-    def _add_schema(self, schema: Schema) -> None:
-        self._schemas[schema.id] = schema
 
     def _add_channel(self, channel: Channel) -> None:
         schema = self._schemas.get(channel.schema_id)

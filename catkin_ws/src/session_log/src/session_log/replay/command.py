@@ -170,7 +170,7 @@ def _plain(decided: Decided | None) -> dict[str, Any] | None:
     return {**{name: getattr(decided, name) for name in _FIELDS}, "wer": dict(decided.wer)}
 
 
-def add_replay_options(parser: argparse.ArgumentParser) -> None:
+def add_options(parser: argparse.ArgumentParser) -> None:
     """Declare the options beside the session."""
     parser.add_argument("--model", help="recogniser to hear with; default: the recorded one")
     parser.add_argument("--json", type=Path, help="file to write all differences to")

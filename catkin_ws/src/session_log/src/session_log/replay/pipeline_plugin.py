@@ -23,7 +23,6 @@ class PluginMissing(SessionLogError):
 
     def __init__(self, name: str, why: str) -> None:
         super().__init__(f"pipeline {name!r} of replay.yaml: {why}; allowed: module:function")
-        self.name, self.why = name, why
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,8 +114,6 @@ def find_plugin(name: str) -> MakePipeline:
         PluginMissing: The package is not there, or has no such function.
     """
     module, _, function = name.partition(":")
-    if not (module and function):
-        raise PluginMissing(name, "is no module and function")
     try:
         made = getattr(import_module(module), function, None)
     except ImportError as error:

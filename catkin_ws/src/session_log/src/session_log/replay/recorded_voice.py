@@ -166,15 +166,15 @@ class _VoiceReader:
                 mode=m.mode,
                 decided_by=m.decided_by,
                 is_partial=bool(m.is_partial),
-                speech_start=seconds(m.speech_start),
-                speech_end=seconds(m.speech_end),
-                decision=seconds(m.decision),
+                speech_start=m.speech_start.to_sec(),
+                speech_end=m.speech_end.to_sec(),
+                decision=m.decision.to_sec(),
                 lost_before=missing,
             )
         )
 
     def _mode(self, m: Any, missing: int) -> None:
-        self._voice.modes.append(ModeChange(seconds(m.header.stamp), m.mode, m.reason))
+        self._voice.modes.append(ModeChange(m.header.stamp.to_sec(), m.mode, m.reason))
 
     def _note(self, m: Any, missing: int) -> None:
         self._voice.has_notes = True
@@ -225,12 +225,7 @@ def _sample_of(note: str, otherwise: int) -> int:
 def sound_of(content: Any) -> RecordedSound:
     """The recorded block of a decoded voice_assist/AudioChunk."""
     samples = np.asarray(content.samples, np.int16)
-    return RecordedSound(samples, content.rate, content.first_sample, seconds(content.header.stamp))
-
-
-def seconds(stamp: Any) -> float:
-    """A ROS time in [s], to the same float as rospy gives."""
-    return float(stamp.secs + stamp.nsecs / 1e9)
+    return RecordedSound(samples, content.rate, content.first_sample, content.header.stamp.to_sec())
 
 
 def _settings(parameters: Mapping[str, str], path: str) -> Mapping[str, Any]:

@@ -16,7 +16,6 @@ from session_log.replay.config import ReplayConfig
 from session_log.replay.pipeline_plugin import Decided, MakePipeline, RecordedSound, ReplayPipeline
 from session_log.replay.recorded_voice import (
     RATE,
-    RecordedDecision,
     RecordedVoice,
     SequenceWatch,
     VoiceRun,
@@ -30,7 +29,6 @@ class NoSound(SessionLogError):
 
     def __init__(self, path: Path, topic: str, unfit: Sequence[str] = ()) -> None:
         super().__init__("; ".join([f"{path}: holds no sound on {topic}", *unfit]))
-        self.path, self.topic = path, topic
 
 
 class ReplayFailed(SessionLogError):
@@ -38,7 +36,6 @@ class ReplayFailed(SessionLogError):
 
     def __init__(self, path: Path, cause: Exception) -> None:
         super().__init__(f"{path}: cannot be heard again: {cause}")
-        self.path, self.cause = path, cause
 
 
 @dataclass(frozen=True)
@@ -180,7 +177,7 @@ class _Replayer:
         result, voice = self._result, self._voice
         result.heard = len(self._now)
         found = compare(voice.utterances, self._now, self._config)
-        result.differences = self._excuse(found, voice.utterances)
+        result.differences = self._excuse(found)
         result.losses = [*self._damage(), *(loss.what for loss in self._losses)]
         return result
 
@@ -196,10 +193,8 @@ class _Replayer:
                 words.append(f"{count} {what}")
         return [*words, *voice.unfit]
 
-    def _excuse(
-        self, found: Sequence[Difference], recorded: Sequence[RecordedDecision]
-    ) -> list[Difference]:
-        left = [entry.lost_before for entry in recorded]
+    def _excuse(self, found: Sequence[Difference]) -> list[Difference]:
+        left = [entry.lost_before for entry in self._voice.utterances]
         excused = []
         for entry in found:
             reason = self._excuse_by_time(entry)

@@ -29,7 +29,7 @@ def proportion(hits: int, trials: int) -> Bounded:
         ValueError: There are fewer trials than hits.
     """
     if hits > trials:
-        raise ValueError(f"{hits} hits in {trials} trials")
+        raise ValueError(f"{hits} hits in {trials} trials, allowed: 0 to {trials}")
     if trials == 0:
         return Bounded(math.nan, 0.0, 1.0)
     each = 0.5 * (1.0 + CONFIDENCE)
@@ -65,7 +65,7 @@ def quantile(values: Sequence[float], p: float) -> Bounded:
     bound open: a median needs 6, a 95th percentile 72 for an upper bound.
 
     Args:
-        values: At least one, finite.
+        values: Finite; none give nan.
         p: Which quantile, in (0, 1).
     """
     x = np.sort(np.asarray(values, dtype=float))

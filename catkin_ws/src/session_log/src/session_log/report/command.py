@@ -20,13 +20,6 @@ if TYPE_CHECKING:  # the report's own modules load matplotlib and scipy: not for
     from session_log.report.one_session import Report
 
 
-class OutputUnclear(SessionLogError):
-    """Several inputs were named, and no place for the report over them."""
-
-    def __init__(self, inputs: int) -> None:
-        super().__init__(f"{inputs} inputs and no place for the report over them: give --out DIR")
-
-
 def run(arguments: argparse.Namespace, config: ReportConfig) -> int:
     """Write the report and print what was written; gives 1 where recordings were not readable.
 
@@ -59,7 +52,8 @@ def _one(path: Path, arguments: argparse.Namespace, config: ReportConfig) -> Rep
 
 def _many(named: list[Path], arguments: argparse.Namespace, config: ReportConfig) -> FolderReport:
     if arguments.out is None and len(named) > 1:
-        raise OutputUnclear(len(named))
+        words = f"{len(named)} inputs and no place for the report over them: give --out DIR"
+        raise SessionLogError(words)
     recordings(named)  # whatever is not there is named at once
     from session_log.report.many_sessions import write_folder_report
 

@@ -58,7 +58,6 @@ class NothingReadable(SessionLogError):
         reasons = "; ".join(u.reason for u in unread[:3])
         more = f"; and {len(unread) - 3} more" if len(unread) > 3 else ""
         super().__init__(f"none of {len(unread)} recordings can be read: {reasons}{more}")
-        self.unread = tuple(unread)
 
 
 def write_folder_report(

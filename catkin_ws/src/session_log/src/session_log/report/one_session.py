@@ -134,7 +134,7 @@ def _write(session: _Session, folder: Path, config: ReportConfig, latex: bool) -
     pooled, more = draw(POOL_FIGURES, session.pool, folder, config)
     target = folder / PAGE_NAME
     text = session_page(
-        session.material, session.summary, session.pool, images | pooled, session.notes
+        session.material, session.summary.name, session.pool, images | pooled, session.notes
     )
     write_page(target, cache.marked(text, session.key))
     tex = write_latex(session.pool, folder) if latex else []

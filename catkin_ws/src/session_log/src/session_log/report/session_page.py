@@ -25,7 +25,6 @@ from session_log.report.sections import (
 from session_log.report.session.analysis import FAILED, VOICE
 from session_log.report.session.namespaces import namespaces_of
 from session_log.report.session.stops import stops
-from session_log.report.session.summary import SessionSummary
 from session_log.report.tables import session_tables
 from session_log.report.tables.text_table import duration_words, size_words
 from session_log.report.zoom import zoom_data
@@ -49,7 +48,7 @@ _FIGURES = {figure.name: figure for figure in _ALL_FIGURES}
 
 def session_page(
     material: SessionMaterial,
-    summary: SessionSummary,
+    name: str,
     pool: Pool,
     images: Mapping[str, Image],
     notes: Sequence[Note],
@@ -58,14 +57,14 @@ def session_page(
 
     Args:
         material: Of the session.
-        summary: Of the session.
+        name: Of the session.
         pool: Of this session alone.
         images: The figures that could be drawn.
         notes: Of people.
     """
     spoken = pool.inputs.get(VOICE, InputCounts())
     return page(
-        f"Session {summary.name}",
+        f"Session {name}",
         _subtitle(material.data.recording),
         " ".join(_warnings(material)),
         large_facts(pool, {"spoken commands": spoken.given, OF_THEM_REFUSED: spoken.refused}),

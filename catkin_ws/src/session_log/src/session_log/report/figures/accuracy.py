@@ -22,18 +22,16 @@ from session_log.report.pool.pool import Pool
 from session_log.report.session.trials import NO_COMMAND
 from session_log.report.tables.text_table import percent
 
-LACKING = (
-    "Nobody recorded what was meant to be said, so accuracy is unknown. A program that plays or "
-    "prompts phrases publishes each on /voice_assist/intended as it begins to sound."
-)
-
 
 class AccuracyFigure(PoolFigure):
     """One bar per command with its confidence interval."""
 
     name = "accuracy"
     title = "Recognition accuracy"
-    lacking = LACKING
+    lacking = (
+        "Nobody recorded what was meant to be said, so accuracy is unknown. A program that plays "
+        "or prompts phrases publishes each on /voice_assist/intended as it begins to sound."
+    )
 
     def can_draw(self, material: Pool) -> bool:
         """Whether it is known what was meant."""

@@ -9,15 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from session_log.report.figures.figure import SessionFigure, SessionMaterial
-from session_log.report.figures.style import (
-    BLUE,
-    GREEN,
-    ORANGE,
-    PURPLE,
-    SKY,
-    Layout,
-    new_figure,
-)
+from session_log.report.figures.style import BLUE, GREEN, ORANGE, PURPLE, SKY, Layout, new_figure
 from session_log.report.session.analysis import loop_timing
 
 COLORS = (BLUE, ORANGE, GREEN, PURPLE, SKY)
@@ -58,8 +50,7 @@ class LoopsFigure(SessionFigure):
         tracks = [
             np.frombuffer(loop.length, dtype=np.float32) * 1e3 for loop in material.data.loops
         ]
-        median = max(float(np.median(track)) for track in tracks)
-        top = 3.0 * median
+        top = 3.0 * max(float(np.median(track)) for track in tracks)
         bins = np.linspace(0.0, top, 121)
         for loop, track, color in zip(material.data.loops, tracks, cycle(COLORS)):
             ax.hist(

@@ -33,6 +33,8 @@ STATE_COLORS = {
     "halted": RED,
     "faulted": PURPLE,
 }
+MODE_COLORS = {"active": SKY, "standby": STATE_COLORS["standby"]}
+PHASE_COLORS = ("#cfe3f1", "#e6eff6")  # in turn
 RC: dict[str, Any] = {
     "font.size": 8.0,
     "axes.titlesize": 8.5,
@@ -60,7 +62,6 @@ RC: dict[str, Any] = {
 class Layout:
     """A width for which figures are drawn: two columns of a paper, or one column and a phone."""
 
-    name: str
     width: float  # [in]
     seconds_per_row: float  # of the timeline
     columns: int  # of pictures
@@ -71,8 +72,8 @@ class Layout:
         return self.width > 5.0
 
 
-WIDE = Layout("wide", 7.16, 60.0, 2)
-NARROW = Layout("narrow", 3.5, 24.0, 1)
+WIDE = Layout(7.16, 60.0, 2)
+NARROW = Layout(3.5, 24.0, 1)
 
 
 def new_figure(layout: Layout, height: float) -> Figure:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import cycle
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -15,6 +16,8 @@ from session_log.report.figures.figure import SessionFigure, SessionMaterial
 from session_log.report.figures.style import (
     GREEN,
     INK,
+    MODE_COLORS,
+    PHASE_COLORS,
     PURPLE,
     QUIET,
     RED,
@@ -221,21 +224,15 @@ def _quoted(words: str) -> str:
 
 def _draw_bands(ax: Axes, material: SessionMaterial, row: TimelineRow) -> None:
     data = material.data
-    modes = {"active": SKY, "standby": STATE_COLORS["standby"]}
-    _draw_band(ax, 2.0, data.modes, modes, row)
+    _draw_band(ax, 2.0, data.modes, MODE_COLORS, row)
     _draw_band(ax, 1.0, data.states, STATE_COLORS, row)
-    shades = _phase_colors(data.phases)
-    _draw_band(ax, 0.0, data.phases, shades, row)
+    _draw_band(ax, 0.0, data.phases, _phase_colors(data.phases), row)
     for span in data.phases:
         wide_enough = span.end - span.start > (len(span.word) + 0.5) * 0.75 * row.letter
         if span.word and wide_enough and row.start <= span.start and span.end <= row.end:
             middle = (span.start + span.end) / 2
             ax.text(
-                *(middle, 0.0, span.word),
-                ha="center",
-                va="center",
-                fontsize=6.5,
-                parse_math=False,
+                middle, 0.0, span.word, ha="center", va="center", fontsize=6.5, parse_math=False
             )
     for kind, (shape, color, _) in MARKS.items():
         times = [e.time for e in data.events if e.kind == kind and row.start <= e.time < row.end]
@@ -264,9 +261,8 @@ def _draw_bars(
 
 
 def _phase_colors(phases: list[Span]) -> dict[str, str]:
-    shades = ("#cfe3f1", "#e6eff6")
     words = dict.fromkeys(span.word for span in phases if span.word)
-    return {word: shades[i % 2] for i, word in enumerate(words)}
+    return dict(zip(words, cycle(PHASE_COLORS)))
 
 
 def _legend(material: SessionMaterial) -> list[Patch | Line2D]:

@@ -20,7 +20,7 @@ _MARK = "<!-- made with {} -->\n"  # the last line of a page
 VERSION = 10  # of what a summary holds and of how it is computed; raise it when either changes
 
 
-def key_of(recording: Path, config: ReportConfig, notes: Sequence[Note] = ()) -> dict[str, object]:
+def key_of(recording: Path, config: ReportConfig, notes: Sequence[Note]) -> dict[str, object]:
     """What a summary and its page depend on: name, file, notes, settings, the code's version.
 
     Raises:

@@ -32,7 +32,6 @@ class EngineUnreachable(SessionLogError):
 
     def __init__(self, address: str, cause: Exception) -> None:
         super().__init__(f"no dask scheduler at {address!r}: {cause}")
-        self.address = address
 
 
 @dataclass(frozen=True)

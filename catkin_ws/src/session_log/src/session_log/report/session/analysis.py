@@ -100,10 +100,9 @@ class LoopTiming:
     late: int  # cycles longer than late_factor medians
 
 
-def statistics(values: Iterable[float] | Track) -> Statistics:
-    """Summarise numbers; nan among them are left out."""
-    x = np.asarray(list(values) if not isinstance(values, np.ndarray) else values, dtype=float)
-    x = x[np.isfinite(x)]
+def statistics(values: Track) -> Statistics:
+    """Summarise the finite ones of numbers, shape (n,)."""
+    x = values[np.isfinite(values)]
     if not len(x):
         return Statistics(0, *[math.nan] * 6)
     median, p95, p99 = np.percentile(x, [50, 95, 99])

@@ -17,12 +17,7 @@ from session_log.mcap_file.bulk import Batch
 from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import MessageCounter, RecordingSummary
-from session_log.report.session.fast_topics import (
-    FastTopic,
-    LoopTopic,
-    Take,
-    largest_of_each,
-)
+from session_log.report.session.fast_topics import FastTopic, LoopTopic, Take, largest_of_each
 from session_log.report.session.joint_peaks import JointPeaks
 from session_log.report.session.joint_tables import JointTables
 from session_log.report.session.session_data import (
@@ -79,7 +74,8 @@ class _SpanBuilder:
         is_change = np.concatenate([[True], words[1:] != words[:-1]])
         for k in np.flatnonzero(is_change | is_silent).tolist():
             if is_silent[k]:
-                self._fall_silent(float(before[k]))
+                self.end(float(before[k]))
+                self._word = None
             self.add(float(times[k]), words[k])
         self._reported = float(times[-1])
 
@@ -97,10 +93,6 @@ class _SpanBuilder:
         """
         last = min(self._reported, heard if heard > self._since else math.inf)
         self.end(last if time - last > SILENT else time)
-
-    def _fall_silent(self, time: float) -> None:
-        self.end(time)
-        self._word = None
 
     def end(self, time: float) -> None:
         if self._word is not None and time > self._since:
@@ -209,7 +201,7 @@ class _Extractor:
         except MissingField as error:
             self._data.missing_fields.add(str(error))
         except (Undecodable, AttributeError, ValueError, IndexError):
-            self._data.undecodable[message.source.topic] += 1
+            self._count_unfit(message)
 
     def _relative(self, stamp: int) -> float:
         return (stamp - (self._origin or 0)) * 1e-9
@@ -220,7 +212,7 @@ class _Extractor:
 
     def _times(self, *stamps: Any) -> list[float]:
         """Times of a message's stamps [s], the last of which says when it was sent."""
-        known = np.array([s.secs * 1_000_000_000 + s.nsecs for s in stamps], np.int64)
+        known = np.array([stamp.to_nsec() for stamp in stamps], np.int64)
         arrival = np.array([self._message.log_time], np.int64)
         times = self._clock.in_log_time(known, arrival, known[-1:])
         return [self._relative(time) for time in times.tolist()]
@@ -238,9 +230,6 @@ class _Extractor:
             reason=m.reason,
             nearest_command=m.nearest_command,
             wer=float(wer.get(m.command or m.nearest_command, math.nan)),
-            confidence=float(m.confidence),
-            mode=m.mode,
-            decided_by=m.decided_by,
             is_partial=bool(m.is_partial),
             publisher=self._message.source.publisher,
         )
@@ -270,14 +259,15 @@ class _Extractor:
         self._data.device_calls.append(RecordedEvent(time, kind, m.phrase, words, caller=DEVICES))
 
     def _state(self, batch: Batch, time: Track) -> None:
-        state, moving = batch.column("state"), np.isin(batch.column("state"), MOVING)
+        state = batch.column("state")
+        moving = np.isin(state, MOVING)
         self._states.add_all(time, state)
         self._phases.add_all(time, np.where(moving, batch.column("phase"), ""))
         error = batch.column("rcm_error")
         if "insertion" in batch.names:  # older recordings are all of inside
             error = np.where(batch.column("insertion") < 0.0, np.nan, error)
-        columns = (batch.column(name) for name in ("tension", "tension_target", "path_speed"))
-        self._data.controller.extend(time, error, *columns, moving)
+        tension, target = batch.column("tension"), batch.column("tension_target")
+        self._data.controller.extend(time, error, tension, target, moving)
 
     def _tension(self, batch: Batch, time: Track) -> None:
         force = np.column_stack([batch.column(f"wrench.force.{axis}") for axis in "xyz"])

@@ -79,8 +79,7 @@ class FastTopic:
             times = self._clock.in_log_time(batch.column("header.stamp"), arrivals[batch.fit])
             self._take(batch, np.asarray((times - self._origin) * 1e-9, np.float64))
         except KeyError as error:
-            missing = MissingField(Message(source, b"", 0, 0), str(error.args[0]))
-            self._data.missing_fields.add(str(missing))
+            self._data.missing_fields.add(str(MissingField(source, str(error.args[0]))))
 
 
 def largest_of_each(time: Track, value: Track, period: float) -> NDArray[np.intp]:

@@ -33,9 +33,8 @@ class JointMargin:
 def joint_limits(urdf: str) -> dict[str, JointLimit]:
     """Limits of each joint that has finite ones, by its name; empty if the URDF is not one."""
     try:
-        joints = ElementTree.fromstring(urdf).iter("joint") if urdf else iter(())
         found = {}
-        for joint in joints:
+        for joint in ElementTree.fromstring(urdf).iter("joint"):
             limit, kind = joint.find("limit"), joint.get("type")
             if limit is None or kind not in ("revolute", *SLIDING):
                 continue

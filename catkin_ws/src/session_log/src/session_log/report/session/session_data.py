@@ -33,9 +33,6 @@ class RecordedUtterance:
     reason: str  # why none was chosen
     nearest_command: str
     wer: float  # of the nearest command; nan if none was compared
-    confidence: float  # [0, 1]
-    mode: str
-    decided_by: str
     is_partial: bool
     publisher: str = ""  # node that said so; older recordings have none
 
@@ -147,9 +144,7 @@ class SessionData:
     states: list[Span] = field(default_factory=list)
     phases: list[Span] = field(default_factory=list)
     controller: SampledTable = field(  # rcm_error is nan while the tool is outside the patient
-        default_factory=lambda: SampledTable(
-            ("time", "rcm_error", "tension", "target", "speed", "moving")
-        )
+        default_factory=lambda: SampledTable(("time", "rcm_error", "tension", "target", "moving"))
     )
     tension: SampledTable = field(  # the largest of each sample period
         default_factory=lambda: SampledTable(("time", "tension"))

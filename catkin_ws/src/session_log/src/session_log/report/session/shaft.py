@@ -54,11 +54,11 @@ def rcm_from_joints(data: SessionData, config: ReportConfig) -> JointRcm:
         return _none(error.why)
 
 
-def is_within(time: Track, spans: Sequence[Span], words: Sequence[str]) -> NDArray[np.bool_]:
-    """Whether one of the words held, at each time [s]. Shape (n,), as of `time`."""
+def is_moving(time: Track, states: Sequence[Span]) -> NDArray[np.bool_]:
+    """Whether the robot moved, at each time [s]. Shape (n,), as of `time`."""
     found = np.zeros(len(time), dtype=bool)
-    for span in spans:
-        if span.word in words:
+    for span in states:
+        if span.word in MOVING:
             found |= (time >= span.start) & (time < span.end)
     return found
 
@@ -110,11 +110,11 @@ def _rcm(data: SessionData, config: ReportConfig) -> JointRcm:
         return _none("no joint states")
     time, q = joints["time"], {name: joints[name] for name in joints.columns[1:]}
     error = rcm_errors(time, q, data.urdf, data.trocars, config)
-    is_moving, peaks = is_within(time, data.states, MOVING), data.rcm_peaks
-    peak_time, peak = peaks["time"], peaks["error"]
-    moving = np.concatenate([error[is_moving], peak[is_within(peak_time, data.states, MOVING)]])
-    largest = float(np.nanmax(moving, initial=-math.inf))
-    return JointRcm(time, error, is_moving, peak_time, peak, largest)
+    peak_time, peak = data.rcm_peaks["time"], data.rcm_peaks["error"]
+    moving = is_moving(time, data.states)
+    errors = np.concatenate([error[moving], peak[is_moving(peak_time, data.states)]])
+    largest = float(np.nanmax(errors, initial=-math.inf))
+    return JointRcm(time, error, moving, peak_time, peak, largest)
 
 
 def _trocars(trocars: Sequence[RecordedTrocar], time: Track) -> Track:

@@ -89,10 +89,9 @@ def table_text(table: TextTable, caption: str, label: str) -> str:
         r"    \midrule",
     ]
     for line in table.lines():
-        row, mark = line.cells, line.mark
-        if mark == "total":
+        if line.mark == "total":
             lines.append(r"    \midrule")
-        lines.append("    " + _row(escape(cell) for cell in row))
+        lines.append("    " + _row(escape(cell) for cell in line.cells))
     lines += [r"    \bottomrule", r"  \end{tabular}", rf"\end{{{environment}}}"]
     return "\n".join(lines) + "\n"
 

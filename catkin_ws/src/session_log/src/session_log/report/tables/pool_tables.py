@@ -30,13 +30,7 @@ def accuracy_table(pool: Pool) -> TextTable:
     if pool.accuracy(NO_COMMAND).meant:
         entries.append((NO_COMMAND, pool.accuracy(NO_COMMAND)))
     rows = [
-        (
-            name,
-            str(total),
-            str(hits),
-            percent(share.value),
-            _interval(share) if total else NONE,
-        )
+        (name, str(total), str(hits), percent(share.value), _interval(share) if total else NONE)
         for name, (hits, total, share) in entries
     ]
     marks = tuple("total" if name == "all commands" else "" for name, _ in entries)
@@ -140,10 +134,9 @@ def motion_table(pool: Pool) -> TextTable:
     )
     rows += [(n, NONE, newtons(t), NONE) for n, t in largest_tensions if math.isfinite(t)]
     if pool.tension_error.count:
-        error = pool.tension_error
+        error, name = pool.tension_error, "distance of the tension from its target at rest"
         samples = f"{error.count} samples"
-        row = ("distance of the tension from its target at rest", newtons(error.rms))
-        rows.append((*row, newtons(error.largest), samples))
+        rows.append((name, newtons(error.rms), newtons(error.largest), samples))
     return TextTable(("measure", "RMS", "largest", "of"), rows, numbers=(1, 2))
 
 

@@ -36,20 +36,14 @@ def commands_table(material: SessionMaterial) -> TextTable:
 
 def notes_table(notes: Sequence[Note]) -> TextTable:
     """List the notes in their order."""
-    moments = (NONE if note.time is None else f"{note.time:.1f}\u00a0s" for note in notes)
-    rows = [(moment, note.words) for moment, note in zip(moments, notes, strict=True)]
+    rows = [(NONE if note.time is None else _moment(note.time), note.words) for note in notes]
     return TextTable(("time", "note"), rows, is_compact=True)
 
 
 def reasons_table(material: SessionMaterial, outcome: str) -> TextTable:
     """List the commands of an outcome, by whom each was asked for, and the words of the answer."""
     rows = [
-        (
-            f"{row.time:.1f}\u00a0s",
-            row.command,
-            _asked(row),
-            row.message or "no reason given",
-        )
+        (_moment(row.time), row.command, _asked(row), row.message or "no reason given")
         for row in material.rows
         if row.outcome == outcome
     ]
@@ -60,7 +54,7 @@ def stops_table(found: Sequence[RecordedStop]) -> TextTable:
     """List everything that stopped the robot, with its cause."""
     rows = [
         (
-            f"{stop.time:.1f}\u00a0s",
+            _moment(stop.time),
             stop.cause or UNREPORTED,
             stop.command or NONE,
             seconds(stop.at_rest),
@@ -105,8 +99,12 @@ def health_table(material: SessionMaterial) -> TextTable:
 def _command_row(row: CommandRow) -> tuple[str, ...]:
     wer = _wer(row.heard) if row.heard else NONE
     decision, action = seconds(row.decision_latency), seconds(row.action_latency)
-    time = f"{row.time:.1f}\u00a0s"
-    return (time, _asked(row), row.command, wer, row.outcome, decision, action, row.message)
+    about = (_asked(row), row.command, wer, row.outcome, decision, action, row.message)
+    return (_moment(row.time), *about)
+
+
+def _moment(time: float) -> str:
+    return f"{time:.1f}\u00a0s"
 
 
 def _asked(row: CommandRow) -> str:
@@ -115,7 +113,7 @@ def _asked(row: CommandRow) -> str:
 
 
 def _nothing_row(heard: RecordedUtterance) -> tuple[str, ...]:
-    time, decision = f"{heard.decision:.1f}\u00a0s", seconds(heard.decision - heard.speech_end)
+    time, decision = _moment(heard.decision), seconds(heard.decision - heard.speech_end)
     why = heard.reason + (f"; nearest: {heard.nearest_command}" if heard.nearest_command else "")
     return (time, f"“{heard.transcript}”", NONE, _wer(heard), "nothing", decision, NONE, why)
 

@@ -77,14 +77,14 @@ def newtons(value: float) -> str:
     return f"{value:.2f}\u00a0N" if math.isfinite(value) else NONE
 
 
-def bounded(value: Bounded, digits: int = 2) -> str:
+def bounded(value: Bounded) -> str:
     """Write an estimate with its interval, if both ends of that are known; a dash for none."""
     if not math.isfinite(value.value):
         return NONE
-    words = f"{value.value:.{digits}f}"
+    words = f"{value.value:.2f}"
     if not (math.isfinite(value.low) and math.isfinite(value.high)):
         return words
-    return f"{words} ({value.low:.{digits}f} to {value.high:.{digits}f})"
+    return f"{words} ({value.low:.2f} to {value.high:.2f})"
 
 
 def percent(value: float) -> str:
