@@ -6,7 +6,7 @@ from __future__ import annotations
 import json
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -101,11 +101,11 @@ def load(part: Part, folder: Path = RESULTS) -> Result | None:
 
 def text(folder: Path = RESULTS) -> str:
     """The page."""
-    found = [result for part in parts() if (result := load(part, folder))]
-    lines = [HEAD, *_missed(found)]
+    found = {part.name: load(part, folder) for part in parts()}
+    lines = [HEAD, *_missed([result for result in found.values() if result])]
     for area in AREAS:
         lines += [f"\n## {area.title}\n", *([f"{area.about}\n"] if area.about else ())]
-        lines += _of_area(area, folder)
+        lines += _of_area(area, found)
     return "\n".join(lines).rstrip() + "\n"
 
 
@@ -131,9 +131,9 @@ def _missed(found: Sequence[Result]) -> Iterator[str]:
     yield from _table(["figure", "measured", "95 %", "unit", "target", "voices", "part"], rows)
 
 
-def _of_area(area: Area, folder: Path) -> Iterator[str]:
+def _of_area(area: Area, found: Mapping[str, Result | None]) -> Iterator[str]:
     for part in area.parts:
-        result = load(part, folder)
+        result = found[part.name]
         if result is None and part.last_in:
             continue
         yield f"### {part.title}\n"

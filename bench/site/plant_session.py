@@ -11,6 +11,7 @@ from typing import Any, Final, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.common.lockstep import do_nothing
 from bench.common.rig import Rig
 from bench.kinova.rig import KinovaRig
 from bench.site.late_robot import LateRobot
@@ -92,7 +93,7 @@ class Session:
     def _homed(self, rig: KinovaRig) -> None:
         """Home the tool; its waiting goes by the rig's own ticks."""
         tick = rig.tick
-        rig.tick = lambda each=_nothing: tick(lambda: (self._each(), each())[0])  # type: ignore[method-assign,assignment]
+        rig.tick = lambda each=do_nothing: tick(lambda: (self._each(), each())[0])  # type: ignore[method-assign,assignment]
         rig.home()
         rig.tick = tick  # type: ignore[method-assign]
 
@@ -212,7 +213,3 @@ def _link_of(kind: type[Link], link: Any) -> Link | None:
     while link is not None and not isinstance(link, kind):
         link = getattr(link, "_robot", None)
     return link
-
-
-def _nothing() -> None:
-    """What is done after a step where nothing is."""

@@ -7,7 +7,6 @@ length of a stage.
 
 from __future__ import annotations
 
-import asyncio
 import os
 import time
 from collections.abc import Callable, Iterator
@@ -15,7 +14,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import rospy
 
 from bench.common.resumable import measured
 from bench.system.processes import Usage, between, usage
@@ -23,7 +21,6 @@ from bench.system.talking_system import Observer, own_master, talking, work
 from bench.system.viewers import with_viewers
 from support.figures import Figure
 from support.launched_system import System
-from support.waiting import wait_until
 
 FULL = 15.0  # [s] of a stage
 SECONDS = float(os.environ.get("BENCH_SECONDS", FULL))
@@ -53,8 +50,7 @@ def measure(seconds: float = SECONDS) -> list[Figure]:
         work(system, observer, seconds)
 
     def shown(system: System, observer: Observer) -> None:
-        page = str(wait_until(lambda: rospy.get_param("/display/page", ""), "the page"))
-        asyncio.run(with_viewers(page, 1, lambda: move(system, observer)))
+        with_viewers(1, lambda: move(system, observer))
 
     launches: tuple[tuple[dict[str, Any], dict[str, Work]], ...] = (
         ({"record": False, "is_silent": True}, {"at rest": rest}),

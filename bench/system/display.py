@@ -6,13 +6,10 @@ The whole simulated system works on commands while nobody, one viewer and ten vi
 
 from __future__ import annotations
 
-import asyncio
 import os
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-
-import rospy
 
 from bench.common.resumable import measured
 from bench.system.processes import between, usage
@@ -20,7 +17,6 @@ from bench.system.talking_system import Loop, Observer, own_master, talking, wor
 from bench.system.viewers import with_viewers
 from support.figures import Figure
 from support.launched_system import System
-from support.waiting import wait_until
 
 STAGES = (0, 1, 10, 0, 1, 10)  # viewers; twice, as other work on the machine comes and goes
 FULL = 120.0  # [s] over all stages
@@ -51,9 +47,8 @@ def measure(seconds: float = SECONDS) -> list[Figure]:
         own_master() as system,
         talking(system, seconds, display=True, display_port="0") as observer,
     ):
-        page = str(wait_until(lambda: rospy.get_param("/display/page", ""), "the page"))
         length = seconds / len(STAGES)
-        stages = [_watch(page, n, length, system, observer) for n in STAGES]
+        stages = [_watch(n, length, system, observer) for n in STAGES]
     return [measured(seconds, "s", FULL), *_figures(stages)]
 
 
@@ -73,7 +68,7 @@ def _figures(stages: Sequence[Stage]) -> list[Figure]:
     return figures
 
 
-def _watch(page: str, viewers: int, seconds: float, system: System, observer: Observer) -> Stage:
+def _watch(viewers: int, seconds: float, system: System, observer: Observer) -> Stage:
     seen: list[Stage] = []
 
     def act() -> None:
@@ -83,5 +78,5 @@ def _watch(page: str, viewers: int, seconds: float, system: System, observer: Ob
         share = 100.0 * between(used, usage(system.pids()))["display"] / took
         seen.append(Stage(viewers, share, first, last))
 
-    asyncio.run(with_viewers(page, viewers, act))
+    with_viewers(viewers, act)
     return seen[0]

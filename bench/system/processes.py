@@ -48,6 +48,12 @@ def usage(roots: Iterable[int]) -> dict[str, Usage]:
     return found
 
 
+def resident() -> int:
+    """Memory of this process that lies in RAM now [bytes]."""
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE")
+
+
 def between(first: Mapping[str, Usage], last: Mapping[str, Usage]) -> dict[str, float]:
     """Processor time of each node from one moment to another [s]; of those there at both."""
     return {name: last[name].processor - first[name].processor for name in first if name in last}

@@ -7,19 +7,29 @@ import asyncio
 import json
 from collections.abc import Callable
 
+import rospy
 from aiohttp import ClientSession, ClientTimeout
+
+from support.waiting import wait_until
 
 CONNECTING = 1.0  # [s]
 
 
-async def with_viewers(page: str, viewers: int, act: Callable[[], object]) -> None:
-    """Do something in a thread while so many look at a page, all of them connected.
+def with_viewers(viewers: int, act: Callable[[], object]) -> None:
+    """Do something in a thread while so many look at the page, all of them connected.
 
     Args:
-        page: Its address.
         viewers: How many.
         act: What is done meanwhile.
+
+    Raises:
+        RuntimeError: There is no page.
     """
+    page = str(wait_until(lambda: rospy.get_param("/display/page", ""), "the page"))
+    asyncio.run(_act_beside(page, viewers, act))
+
+
+async def _act_beside(page: str, viewers: int, act: Callable[[], object]) -> None:
     viewing = [asyncio.create_task(_view(page)) for _ in range(viewers)]
     await asyncio.sleep(CONNECTING)
     await asyncio.to_thread(act)

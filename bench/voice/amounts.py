@@ -14,7 +14,6 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
-from itertools import groupby
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -33,7 +32,7 @@ from voice_assist.config import load_voice_config
 from voice_assist.config.commands import AmountCommand
 from voice_assist.text.amounts import canonical
 from voice_assist.text.normalize import normalize
-from voice_assist.training.data.voices import Prompt, speak
+from voice_assist.training.data.voices import Prompt, speak_in_turn
 from voice_assist.types import FULL_SCALE, RATE, Mode, Samples
 
 COUNT = int(os.environ.get("COUNT", "3000"))
@@ -186,14 +185,12 @@ def _prepare() -> None:
 
 def _heard(prompts: Sequence[Prompt]) -> list[dict[str, Any]]:
     """A piece: each prompt is spoken and heard; one that an engine cannot say is left out."""
-    found = []
     by_voice = sorted(prompts, key=lambda p: (p.engine, p.voice))
-    for _, some in groupby(by_voice, lambda p: (p.engine, p.voice)):
-        same = list(some)
-        for prompt, sound in zip(same, speak(same), strict=True):
-            if sound is not None:
-                found.append(asdict(_of_clip(prompt, sound / np.float32(FULL_SCALE))))
-    return found
+    return [
+        asdict(_of_clip(prompt, sound / np.float32(FULL_SCALE)))
+        for prompt, sound in speak_in_turn(by_voice)
+        if sound is not None
+    ]
 
 
 def _of_clip(prompt: Prompt, sound: Samples) -> HeardClip:

@@ -25,11 +25,11 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from bench.common import resumable
+from bench.common.part import HUMAN
 from bench.voice import trials as voice_trials
 from bench.voice.hearing import pieces
 from bench.voice.hearing.pieces import SceneRecord
 from bench.voice.material.mixing import chunks
-from bench.voice.material.synthesis import HUMAN
 from bench.voice.no_commands import armed, near_misses
 from bench.voice.outcomes import motions
 from bench.voice.trials import THIN

@@ -6,7 +6,6 @@ from __future__ import annotations
 import time
 from collections import Counter
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from bench.safety.soak.events import Chance, SoakEvent, SoakStanding
 from bench.safety.soak.faults import Faults
 from bench.safety.soak.robot import SensorLink, ServoRobot
 from bench.safety.soak.voice import SoakVoice
+from bench.system.processes import resident
 from rst_control.admission.command_queue import CommandQueue, QueuedCommand
 from rst_control.admission.recording_gate import RecordedOnly, RecordingWatch
 from rst_control.assembly import make_executor
@@ -245,12 +245,12 @@ def _acceleration(limits: LimitsConfig) -> np.ndarray:
 
 def carried_out(stretch: Stretch) -> dict[str, Any]:
     """Do one stretch; what it came to, for JSON."""
-    began, worked, before = time.perf_counter(), time.process_time(), resident()
+    began, worked, before = time.perf_counter(), time.process_time(), _memory()
     session = SoakSession(stretch, load_robot())
     session.run(stretch.seconds)
     wall = time.perf_counter() - began
     cpu = time.process_time() - worked
-    memory = {"rss_before": before, "rss_after": resident(), "is_later": bool(_DONE)}
+    memory = {"rss_before": before, "rss_after": _memory(), "is_later": bool(_DONE)}
     _DONE.append(stretch.seed)
     return {"seconds": stretch.seconds, "wall": wall, "cpu": cpu, **memory, **session.report()}
 
@@ -258,7 +258,6 @@ def carried_out(stretch: Stretch) -> dict[str, Any]:
 _DONE: list[int] = []  # seeds of the stretches that this process has carried out
 
 
-def resident() -> float:
-    """Memory of this process that lies in RAM [MiB]."""
-    status = Path("/proc/self/status").read_text(encoding="ascii")
-    return float(status.split("VmRSS:")[1].split()[0]) / 1024.0
+def _memory() -> float:
+    """Of this process, in RAM [MiB]."""
+    return resident() / (1 << 20)

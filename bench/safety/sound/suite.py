@@ -16,13 +16,13 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import cycle, islice
-from pathlib import Path
 
 import numpy as np
 
 from bench.common.resumable import measured
 from bench.safety.sound import ends
 from bench.safety.sound.kinds import DEAF, KINDS, Block, frames
+from bench.system.processes import resident
 from support.figures import Figure, share
 from support.theatre_sound import speak
 from voice_assist.assembly import limit_torch, make_pipeline
@@ -92,7 +92,7 @@ class Garbage:
         heard, _ = self._stream(iter([(np.concatenate(said, dtype=float), 0)]))
         tally.stops.append((kind, "stop" in heard))
         tally.taken.update((kind, command) for command in heard if command != "stop")
-        tally.memory.append(_memory())
+        tally.memory.append(resident() / (1 << 20))
 
     def _stream(self, blocks: Iterator[Block]) -> tuple[list[str], bool]:
         """Commands taken, and whether the sound was named as one in which nobody is heard."""
@@ -161,9 +161,3 @@ def _count(tally: SoundTally, wanted: str) -> int:
 
 def _listed(counts: Counter[str]) -> str:
     return "; ".join(f"{n} x {what}" for what, n in counts.most_common()) or "none"
-
-
-def _memory() -> float:
-    """Resident memory of this process [MiB]."""
-    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
-    return pages * os.sysconf("SC_PAGE_SIZE") / (1 << 20)

@@ -23,6 +23,7 @@ from pathlib import Path
 import numpy as np
 import rospy
 
+from bench.common.part import HUMAN, SYNTHETIC
 from bench.common.resumable import measured
 from bench.safety.losses import judge
 from bench.safety.losses.client import SpeechSource
@@ -51,7 +52,6 @@ LIMIT = 30.0  # [s] for a motion that nobody stopped
 BEFORE = 0.2  # [s] of sound before it; a piece is stamped by its first sample
 SENT = 200  # pieces of sound that are kept: ten seconds
 ATTEMPTS = 8  # at a command that moves the robot
-HUMAN, SYNTHETIC = "human", "synthetic"
 
 
 def measure() -> list[Figure]:

@@ -9,7 +9,6 @@ again. In the environment: STOPS of them (10,000), and see bench/common/resumabl
 
 from __future__ import annotations
 
-import hashlib
 import json
 import logging
 import os
@@ -53,10 +52,7 @@ def key() -> str:
     source = PACKAGE / "src" / "rst_control"
     files = [p for p in source.rglob("*.py") if p.relative_to(source).parts[0] not in BESIDE]
     files += [*PACKAGE.glob("config/*.yaml"), *(Path(__file__).parent / name for name in OWN)]
-    digest = hashlib.sha256()
-    for file in sorted(files):
-        digest.update(file.name.encode() + file.read_bytes())
-    return digest.hexdigest()[:16]
+    return resumable.digest([(file.name, file.read_bytes()) for file in sorted(files)])
 
 
 def gather(folder: Path, count: int) -> tuple[list[JudgedStop], list[str]]:

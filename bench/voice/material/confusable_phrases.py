@@ -8,14 +8,9 @@ from random import Random
 
 from voice_assist.training.data import texts
 from voice_assist.training.data.synthesis import plan_held_out
-from voice_assist.training.data.voices import Prompt
+from voice_assist.training.data.voices import Prompt, by_voice
 
-
-def _split(lines: str) -> tuple[str, ...]:
-    return tuple(lines.strip().replace("\n", "|").split("|"))
-
-
-SOUNDS_LIKE = _split("""
+SOUNDS_LIKE = texts.phrases("""
 tents|dense|least|full more|shop|stop pulling|the release form|terminal|ten|tens|tenth|tennis
 sense|fence|hence|pence|tension|intense|pretense|tent|attend|test|guess|lens|tends|tensed
 lease|at least|police|relief|believe|leash|release form|released|releasing|relax|relay|re lease
@@ -28,7 +23,7 @@ turn eight|term|germinate|nominate|the terminal|eliminate|illuminate|robot|hey|h
 hey rabbit|hey robert|a robot|the robot arm|hey doctor|hey rob it|hey roberta|robots
 """)
 
-DENIED = _split("""
+DENIED = texts.phrases("""
 don't stop|do not stop|never stop|please don't stop|you must not stop|we cannot stop now
 don't pull more|do not pull more|never pull more|don't pull any more|please do not pull more
 i said do not pull more|you should not pull more|we won't pull more|not pull more|no don't pull more
@@ -41,7 +36,7 @@ don't terminate|do not terminate|never terminate|please do not terminate|not ter
 i would not terminate|no more|no less|not more
 """)
 
-IN_A_SENTENCE = _split("""
+IN_A_SENTENCE = texts.phrases("""
 then we pull more on the left side|if you pull more it tears|when they pull less it slips
 i will pull more later|he would pull more than she does|we pull more gauze from the tray
 can you ask him to pull less|they pull less than before|she said pull less hard next time
@@ -59,7 +54,7 @@ why did it stop|will it stop here|stop worrying about that|the bleeding will sto
 stop at the door please doctor|tell him to stop talking
 """)
 
-NAMED = _split("""
+NAMED = texts.phrases("""
 tents|dense|least|full more|shop|don't stop|stop pulling|don't pull more|the release form|terminal
 """)
 
@@ -87,4 +82,4 @@ def plan(seed: int, voices: int) -> list[Prompt]:
             engine, voice = next(turn)
             rate, pitch = rng.uniform(0.85, 1.2), rng.uniform(0.35, 0.65)
             prompts.append(Prompt(text, engine, voice, rate, pitch))
-    return sorted(prompts, key=lambda p: (p.engine, p.voice, p.text, p.rate))
+    return sorted(prompts, key=by_voice)

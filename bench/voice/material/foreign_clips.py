@@ -23,7 +23,7 @@ from voice_assist.audio.espeak import ipa
 from voice_assist.errors import ModelError
 from voice_assist.training.data.accents import english, for_kokoro
 from voice_assist.training.data.kokoro import SPEEDS, KokoroPrompt, is_british, speak
-from voice_assist.training.data.voices import Prompt, espeak_variants
+from voice_assist.training.data.voices import Prompt, by_voice, espeak_variants
 from voice_assist.types import RATE
 
 SEED = 19
@@ -58,7 +58,7 @@ def by_espeak() -> dict[str, list[SpokenClip]]:
         for name in one.diphones
         for text in one.near.split("|")
     ]
-    return {kind: spoken(sorted(prompts, key=_order)) for kind, prompts in plan.items()}
+    return {kind: spoken(sorted(prompts, key=by_voice)) for kind, prompts in plan.items()}
 
 
 def by_kokoro() -> list[SpokenClip]:
@@ -136,7 +136,3 @@ def language_of(engine: str, voice: str) -> str:
         ):
             return name
     raise KeyError(f"{engine}:{voice}")
-
-
-def _order(prompt: Prompt) -> tuple[str, str, str, float]:
-    return prompt.engine, prompt.voice, prompt.text, prompt.rate

@@ -12,7 +12,7 @@ from random import Random
 
 from voice_assist.errors import ModelError
 from voice_assist.training.data import voices
-from voice_assist.training.data.voices import Engine, Prompt, espeak_variants, speak
+from voice_assist.training.data.voices import Engine, Prompt, by_voice, espeak_variants, speak
 
 RHVOICE_DATA = Path("/usr/share/RHVoice/voices")  # of Debian's packages; one folder per voice
 RATES, PITCHES = (0.85, 1.2), (0.35, 0.65)
@@ -80,7 +80,7 @@ def spread(
             for _ in range(each):
                 rate, pitch = rng.uniform(*RATES), rng.uniform(*PITCHES)
                 prompts.append(Prompt(text, voice.engine, voice.name, rate, pitch))
-    return sorted(prompts, key=lambda p: (p.engine, p.voice, p.text, p.rate))
+    return sorted(prompts, key=by_voice)
 
 
 def _sorted_out(asked: Sequence[SyntheticVoice]) -> Cast:

@@ -13,9 +13,10 @@ from pathlib import Path
 import soundfile
 
 from bench.common import resumable
+from bench.common.part import HUMAN
 from bench.voice.material import clips as voice_sets
 from support.figures import ROOT
-from voice_assist.training.data.human import read_manifest
+from voice_assist.training.data.human import SPEECH_KINDS, read_manifest
 from voice_assist.training.data.synthesis import speak_all
 from voice_assist.training.data.texts import normalise_text
 from voice_assist.training.data.voices import Prompt
@@ -28,11 +29,10 @@ class SpokenClip:
 
     path: str  # relative to the repository
     text: str  # normalised, of other languages as written; empty where nobody knows
-    engine: str  # "human" for people
+    engine: str  # HUMAN for people
     voice: str
 
 
-HUMAN = "human"
 DEV, TALK = "dev", "false_accept_dev"  # splits that training never used
 
 
@@ -61,7 +61,7 @@ def recorded(*splits: str) -> list[SpokenClip]:
             row.speaker or row.source,
         )
         for row in read_manifest(voice_sets.SPEECH)
-        if row.split in splits and row.kind in ("speech", "positive")
+        if row.split in splits and row.kind in SPEECH_KINDS
     ]
 
 

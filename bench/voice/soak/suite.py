@@ -19,11 +19,11 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
 from bench.common import resumable
+from bench.system.processes import resident
 from bench.voice.hearing.pieces import MODEL
 from bench.voice.hearing.replay_stream import whole_frames
 from bench.voice.material import theatre_noise
@@ -112,7 +112,7 @@ class Soak:
         self.answers += answers_to(shifted, matches)
         self.said += len(said)
         self._streamed += len(sound) / RATE
-        self.memory.append((self._streamed, float(_resident())))
+        self.memory.append((self._streamed, float(resident())))
 
     def result(self) -> SoakResult:
         """What it came to so far."""
@@ -166,12 +166,6 @@ def _clips() -> tuple[SpokenClip, ...]:
 
 def _minute(index: int) -> tuple[Samples, list[SpokenCommand]]:
     return minute(index, _clips())
-
-
-def _resident() -> int:
-    """Resident memory of this process now [bytes]."""
-    pages = int(Path("/proc/self/statm").read_text(encoding="utf-8").split()[1])
-    return pages * os.sysconf("SC_PAGE_SIZE")
 
 
 if __name__ == "__main__":

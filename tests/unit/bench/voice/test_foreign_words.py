@@ -3,7 +3,8 @@
 
 from bench.voice.material.foreign_words import LANGUAGES, NAMED
 from voice_assist.training.data import texts
-from voice_assist.training.verifier.examples import foreign
+from voice_assist.training.data.foreign_words import WORDS
+from voice_assist.training.data.texts import phrases
 
 
 def measured():
@@ -12,11 +13,11 @@ def measured():
 
 
 def test_no_word_is_in_both_lists():
-    assert measured().isdisjoint(word for words in foreign().values() for word in words)
+    assert measured().isdisjoint(word for words in WORDS.values() for word in phrases(words))
 
 
 def test_no_word_is_a_command():
-    every = measured().union(*foreign().values())
+    every = measured().union(*map(phrases, WORDS.values()))
     assert every.isdisjoint(texts.COMMANDS) and "" not in every
 
 

@@ -71,7 +71,7 @@ def trials(n, phrase, base, profile):
     def taken(command):
         return (command,) if command else ()
 
-    return [SelfCheckTrial(f"{i}", phrase, taken(base), taken(profile)) for i in range(n)]
+    return [SelfCheckTrial(phrase, taken(base), taken(profile)) for _ in range(n)]
 
 
 def good():

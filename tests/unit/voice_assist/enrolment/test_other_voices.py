@@ -6,6 +6,7 @@ import pytest
 
 from voice_assist.enrolment import examples
 from voice_assist.recognizer.vocabulary import spelled
+from voice_assist.training.data import voices
 
 
 def test_a_command_is_labelled_as_a_take_of_it(monkeypatch):
@@ -18,7 +19,7 @@ def test_a_command_is_labelled_as_a_take_of_it(monkeypatch):
         return [np.zeros(8000, np.int16) for _ in prompts]
 
     monkeypatch.setattr(examples, "espeak_variants", lambda: (("f1", "m1"), ()))
-    monkeypatch.setattr(examples, "speak", speak)
+    monkeypatch.setattr(voices, "speak", speak)
     labels = [example.text for example in examples.other_voices(phrases, 60, seed=1)]
     assert set(phrases) <= set(said)
     assert {"preset one", "preset two", "x ray on"} <= set(labels)
@@ -37,6 +38,6 @@ def test_the_variants_of_training_are_apart_from_those_that_are_held_out(
         return [None for _ in prompts]
 
     monkeypatch.setattr(examples, "espeak_variants", lambda: (["f1", "m1"], ["f4"]))
-    monkeypatch.setattr(examples, "speak", speak)
+    monkeypatch.setattr(voices, "speak", speak)
     examples.other_voices(("stop",), 60, seed=1, are_held_out=are_held_out)
     assert heard == expected

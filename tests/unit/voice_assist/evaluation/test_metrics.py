@@ -6,7 +6,7 @@ from voice_assist.evaluation.metrics import summarize, verdict
 
 
 def outcome(phrase, *commands):
-    taken = tuple(Taken(c, c, 0.1 * (i + 1), 0.9) for i, c in enumerate(commands))
+    taken = tuple(Taken(c, 0.1 * (i + 1), 0.9) for i, c in enumerate(commands))
     return ClipOutcome(LabelledClip(2, None, phrase, phrase), 36.0, taken, (), (), 0.5, 37.0)
 
 
@@ -28,7 +28,7 @@ def test_false_commands_are_counted_per_hour_and_rates_of_nothing_are_none():
 
 def test_percentiles_are_those_of_the_clips():
     said = LabelledClip(2, None, "stop", "stop")
-    taken = [(Taken("stop", "stop", i / 1e3, 1.0),) for i in range(101)]
+    taken = [(Taken("stop", i / 1e3, 1.0),) for i in range(101)]
     outcomes = [ClipOutcome(said, 1.0, one, (), (), 0, 1) for one in taken]
     latency = summarize(outcomes, ("stop",))["latency_ms"]["stop"]
     assert latency == pytest.approx({"p50": 50.0, "p95": 95.0, "p99": 99.0})

@@ -17,15 +17,14 @@ import numpy as np
 import torch
 from numpy.random import Generator
 from torch import Tensor
-from torch.nn import functional
 
 from voice_assist.config.enrolment import AdaptConfig
 from voice_assist.enrolment.examples import Example
 from voice_assist.recognizer.hybrid import WhisperCtc, encode_lower, encode_upper
 from voice_assist.recognizer.mel import log_mel
 from voice_assist.recognizer.vocabulary import encode
-from voice_assist.training.data.batches import IGNORED, teacher_tensors
-from voice_assist.training.fit.objective import CTC_SHARE, SMOOTHING, ctc_loss
+from voice_assist.training.data.batches import teacher_tensors
+from voice_assist.training.fit.objective import combined
 
 _CLIPPED = 1.0  # norm of a step's gradient
 _LENGTHS_OF_OTHERS = 0.2  # of the steps, so that talk, longer than any command, is not forgotten
@@ -123,17 +122,10 @@ def _batches(
 
 
 def _loss(model: WhisperCtc, batch: Sequence[_Stored], blocks: int) -> Tensor:
-    """The loss of training (objective.joint_loss), from the stored states up."""
+    """The loss of training, from the stored states up."""
     hidden = torch.stack([one.hidden for one in batch])
     states = encode_upper(model.whisper.encoder, hidden, blocks)
     texts = [one.text for one in batch]
     tokens, targets = teacher_tensors(texts)
     logits = model.logits(tokens, states)
-    decoder = functional.cross_entropy(
-        logits.flatten(0, 1),
-        targets.flatten(),
-        ignore_index=IGNORED,
-        label_smoothing=SMOOTHING,
-    )
-    ctc = ctc_loss(model.ctc_logprobs(states), texts)
-    return CTC_SHARE * ctc + (1.0 - CTC_SHARE) * decoder
+    return combined(model.ctc_logprobs(states), logits, targets, texts).total

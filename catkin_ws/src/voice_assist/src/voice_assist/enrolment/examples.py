@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from random import Random
 
 import numpy as np
@@ -19,7 +18,7 @@ from voice_assist.recognizer.mel import SAMPLES_PER_STATE, log_mel
 from voice_assist.recognizer.vocabulary import encode, spelled
 from voice_assist.training.data import texts, voices
 from voice_assist.training.data.noise import coloured
-from voice_assist.training.data.voices import Engine, Prompt, espeak_variants, speak
+from voice_assist.training.data.voices import Engine, Prompt, espeak_variants, speak_in_turn
 from voice_assist.types import RATE, Samples
 
 GRID = 5120  # samples of which lengths are multiples, so that many examples share one
@@ -119,14 +118,12 @@ def other_voices(
         (_cast(text, variants, rng) for text in said), key=lambda p: (p.engine, p.voice)
     )
     spoken: list[Example] = []
-    for _, group in groupby(prompts, key=lambda p: (p.engine, p.voice)):
-        some = list(group)
-        for prompt, sound in zip(some, speak(some), strict=True):
-            if sound is not None and len(sound) <= _LONGEST_OTHER:
-                samples = sound.astype(np.float32) / np.float32(32768)
-                is_command = prompt.text in phrases  # labelled as a take of it is
-                label = spelled(prompt.text) if is_command else texts.normalise_text(prompt.text)
-                spoken.append(Example(samples, label))
+    for prompt, sound in speak_in_turn(prompts):
+        if sound is not None and len(sound) <= _LONGEST_OTHER:
+            samples = sound.astype(np.float32) / np.float32(32768)
+            is_command = prompt.text in phrases  # labelled as a take of it is
+            label = spelled(prompt.text) if is_command else texts.normalise_text(prompt.text)
+            spoken.append(Example(samples, label))
     return spoken
 
 

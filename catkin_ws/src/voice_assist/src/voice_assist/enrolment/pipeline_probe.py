@@ -10,11 +10,11 @@ import numpy as np
 from voice_assist.assembly import make_pipeline
 from voice_assist.audio.source import Framer
 from voice_assist.config import VoiceConfig
-from voice_assist.evaluation.evaluator import QUIET_DB, ClaimedCommand, claims_of
+from voice_assist.evaluation.evaluator import ClaimedCommand, claims_of, surrounded
 from voice_assist.recognizer.recognizer import Recognizer
-from voice_assist.types import RATE, Match, Mode, Samples, UtteranceDecision
+from voice_assist.types import Match, Mode, Samples, UtteranceDecision
 
-BEFORE, AFTER = 0.3, 0.8  # [s] of quiet around a take, so that its end is found
+_QUIET = 0.3, 0.8  # [s] in front of a take and behind it, so that its end is found
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,6 @@ class PipelineResult:
 
     taken: tuple[str, ...]  # commands, in their order
     claims: tuple[ClaimedCommand, ...]  # decisions whose words are exactly a command's
-    texts: tuple[str, ...]  # transcripts of all decisions
 
 
 class PipelineProbe:
@@ -40,23 +39,13 @@ class PipelineProbe:
         began = self._now + 1.0
         taken: list[str] = []
         claims: list[ClaimedCommand] = []
-        texts: list[str] = []
-        for frame in Framer().push(_amid_quiet(samples), began):
+        stream = surrounded(samples, np.random.default_rng(0), around=_QUIET)
+        for frame in Framer().push(stream, began):
             self._pipeline.set_mode(Mode.ACTIVE, "enrolment")
             self._now = frame.end
             for decision in self._pipeline(frame):
                 if isinstance(decision, UtteranceDecision):
-                    texts.append(decision.hypothesis.text)
                     claims += claims_of(decision)
                     if isinstance(decision.outcome, Match):
                         taken.append(decision.outcome.command)
-        return PipelineResult(tuple(taken), tuple(claims), tuple(texts))
-
-
-def _amid_quiet(samples: Samples) -> Samples:
-    rng = np.random.default_rng(0)
-    length = round((BEFORE + AFTER) * RATE) + len(samples)
-    stream = 10.0 ** (QUIET_DB / 20.0) * rng.standard_normal(length)
-    start = round(BEFORE * RATE)
-    stream[start : start + len(samples)] += samples
-    return np.asarray(stream, np.float32)
+        return PipelineResult(tuple(taken), tuple(claims))

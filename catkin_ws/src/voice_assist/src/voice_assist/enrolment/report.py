@@ -7,7 +7,7 @@ import json
 import math
 from dataclasses import asdict, dataclass
 
-from voice_assist.enrolment.self_check import SelfCheckResult, SelfCheckTrial
+from voice_assist.enrolment.self_check import SelfCheckResult, SelfCheckTrial, confused, right
 from voice_assist.profile.manifest import Manifest
 
 JSON, MARKDOWN = "report.json", "report.md"  # in a profile
@@ -57,7 +57,7 @@ def as_markdown(
     manifest: Manifest, verdict: SelfCheckResult, problems: tuple[str, ...], effort: Effort
 ) -> bytes:
     """The same for a reader."""
-    own, others = _counts(verdict.own), [t for t in verdict.others if t.phrase]
+    own, others = _counts(verdict.own), _counts([t for t in verdict.others if t.phrase])
     lines = [f"# Profile {manifest.name}", ""]
     if problems:
         lines += ["Not active, as it failed its own check:", ""]
@@ -71,8 +71,8 @@ def as_markdown(
         "",
         f"Takes that were not learned from, each heard by what was learned of the others: base "
         f"{own['right_by_base']} of {own['n']} right, profile {own['right_by_profile']}.",
-        f"Commands by other voices: base {_counts(others)['right_by_base']} of {len(others)} "
-        f"right, profile {_counts(others)['right_by_profile']}.",
+        f"Commands by other voices: base {others['right_by_base']} of {others['n']} "
+        f"right, profile {others['right_by_profile']}.",
         "The confidences below were chosen on what is counted here, so new takes may do worse.",
         "",
         "Bounds hold with 95 % (Clopper and Pearson; Garwood), so few takes leave them wide.",
@@ -95,10 +95,10 @@ def _bound(rate: float) -> str:
 def _counts(trials: list[SelfCheckTrial]) -> dict[str, int]:
     return {
         "n": len(trials),
-        "right_by_base": sum(set(t.base) == {t.phrase} for t in trials),
-        "right_by_profile": sum(set(t.profile) == {t.phrase} for t in trials),
-        "another_by_base": sum(bool(set(t.base) - {t.phrase}) for t in trials),
-        "another_by_profile": sum(bool(set(t.profile) - {t.phrase}) for t in trials),
+        "right_by_base": right(trials, "base"),
+        "right_by_profile": right(trials, "profile"),
+        "another_by_base": confused(trials, "base"),
+        "another_by_profile": confused(trials, "profile"),
     }
 
 

@@ -36,7 +36,6 @@ _OTHER_SEED = 1000  # added to the seed of what is learned from: another choice 
 class SelfCheckTrial:
     """One sound, and what base and profile made of it."""
 
-    name: str  # of the take, or text of another voice
     phrase: str  # that was said; empty: no command
     base: tuple[str, ...]  # commands taken
     profile: tuple[str, ...]
@@ -56,7 +55,7 @@ class SelfCheckResult:
     def problems(self, config: EnrolmentConfig) -> tuple[str, ...]:
         """Why the profile may not be used; each names value and limit. Empty: it may."""
         limits, found = config.self_check, list(self.wrong_words)
-        base, mine = _right(self.own, "base"), _right(self.own, "profile")
+        base, mine = right(self.own, "base"), right(self.own, "profile")
         if mine < base - limits.own_worse:
             found.append(
                 f"takes: {mine} of {len(self.own)} right, allowed: at least "
@@ -69,8 +68,8 @@ class SelfCheckResult:
         limited = (
             (
                 "takes for another command",
-                _confused(self.own, "profile"),
-                _confused(self.own, "base") + limits.own_confused,
+                confused(self.own, "profile"),
+                confused(self.own, "base") + limits.own_confused,
             ),
             (
                 "commands taken from talk",
@@ -79,7 +78,7 @@ class SelfCheckResult:
             ),
             (
                 f"of {len(said)} commands of other voices lost",
-                _right(said, "base") - _right(said, "profile"),
+                right(said, "base") - right(said, "profile"),
                 _whole(limits.others_worse, len(said)),
             ),
             (
@@ -208,7 +207,7 @@ class SelfCheck:
             return claim.is_taken and (is_enough or not command.is_motion)
 
         taken = tuple(claim.command for claim in heard.claims if is_taken(claim))
-        return SelfCheckTrial(spoken.file, spoken.phrase, base.taken, taken)
+        return SelfCheckTrial(spoken.phrase, base.taken, taken)
 
 
 def wrong_words(
@@ -233,12 +232,13 @@ def _best(heard: PipelineResult, phrase: str) -> float | None:
     return max(claims, default=None)
 
 
-def _right(trials: Sequence[SelfCheckTrial], who: str) -> int:
-    """Trials in which the command, and no other, was taken."""
+def right(trials: Sequence[SelfCheckTrial], who: str) -> int:
+    """Trials in which the command, and no other, was taken; who: "base" or "profile"."""
     return sum(set(getattr(trial, who)) == {trial.phrase} for trial in trials)
 
 
-def _confused(trials: Sequence[SelfCheckTrial], who: str) -> int:
+def confused(trials: Sequence[SelfCheckTrial], who: str) -> int:
+    """Trials in which another command was taken."""
     return sum(bool(set(getattr(trial, who)) - {trial.phrase}) for trial in trials)
 
 

@@ -64,7 +64,8 @@ def evaluate(config: VoiceConfig, job: Job) -> dict[str, Any]:
         VoiceError: A process ended before its clips were done.
     """
     if (job.noise is None) != (job.snr_db is None):
-        raise ManifestError("noise and its level belong together: give both NOISE=dir and SNR=dB")
+        given = f"noise {job.noise}, its level {job.snr_db}"
+        raise ManifestError(f"{given}: give both NOISE=dir and SNR=dB, or neither")
     config = said_once(config)
     clips = read_manifest(job.manifest, config.commands, job.mode)
     if job.noise is not None:

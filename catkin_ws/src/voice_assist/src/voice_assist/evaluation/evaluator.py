@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import soundfile
+from numpy.random import Generator
 
 from voice_assist.audio.mixing import add_noise, end_of_speech
 from voice_assist.audio.sound_file import check_sound, read_sound
@@ -46,7 +47,6 @@ class Taken:
     """One command taken from a clip."""
 
     command: str
-    heard: str  # transcript
     latency: float  # [s] from the end of speech in the clip to the decision; below 0: before it
     confidence: float
 
@@ -147,7 +147,8 @@ class Evaluator:
         except AudioError as error:
             raise ManifestError(f"row {clip.row}: {error}") from error
         speech_end = BEFORE + end_of_speech(samples)
-        stream = self._with_quiet(samples, clip.row)
+        rng = np.random.default_rng(clip.row)
+        stream = surrounded(samples, rng, self._noises, self._snr_db, whole=FRAME)
         began, compute = self._clock() + 1.0, self._clock.compute
         taken, heard, why, claims = [], [], [], []
         self._pipeline.reset()
@@ -156,8 +157,7 @@ class Evaluator:
             claims += claims_of(decision)
             if isinstance(decision.outcome, Match):
                 latency = decision.decided - began - speech_end
-                text, sure = decision.hypothesis.text, decision.confidence
-                taken.append(Taken(decision.outcome.command, text, latency, sure))
+                taken.append(Taken(decision.outcome.command, latency, decision.confidence))
             else:
                 why.append(decision.outcome.rejection.words)
         spent = self._clock.compute - compute
@@ -182,17 +182,36 @@ class Evaluator:
             self._clock.end()
             yield from (event for event in events if isinstance(event, UtteranceDecision))
 
-    def _with_quiet(self, samples: Samples, row: int) -> Samples:
-        rng = np.random.default_rng(row)
-        quiet = 10.0 ** (QUIET_DB / 20.0)
-        length = round((BEFORE + AFTER) * RATE) + len(samples)
-        stream = quiet * rng.standard_normal(-(-length // FRAME) * FRAME)
-        start = round(BEFORE * RATE)
-        stream[start : start + len(samples)] += samples
-        if self._noises:
-            noise = self._noises[int(rng.integers(len(self._noises)))]
-            stream = add_noise(stream, noise, samples, self._snr_db, rng)
-        return np.asarray(stream, np.float32)
+
+def surrounded(
+    samples: Samples,
+    rng: Generator,
+    noises: Sequence[Samples] = (),
+    snr_db: float = 0.0,
+    around: tuple[float, float] = (BEFORE, AFTER),
+    whole: int = 1,
+) -> Samples:
+    """A clip amid quiet.
+
+    Args:
+        samples: Shape (n,).
+        rng: Source of chance.
+        noises: One of them is added.
+        snr_db: Level of the clip's speech above it [dB].
+        around: Quiet in front of the clip and behind it [s].
+        whole: The length is a multiple of so many samples.
+
+    Returns:
+        Shape (m,), m > n.
+    """
+    length = round(sum(around) * RATE) + len(samples)
+    stream = 10.0 ** (QUIET_DB / 20.0) * rng.standard_normal(-(-length // whole) * whole)
+    start = round(around[0] * RATE)
+    stream[start : start + len(samples)] += samples
+    if noises:
+        noise = noises[int(rng.integers(len(noises)))]
+        stream = add_noise(stream, noise, samples, snr_db, rng)
+    return np.asarray(stream, np.float32)
 
 
 def said_once(config: VoiceConfig) -> VoiceConfig:

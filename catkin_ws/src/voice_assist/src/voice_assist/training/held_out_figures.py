@@ -20,6 +20,7 @@ from voice_assist.training.data.texts import COMMANDS
 from voice_assist.training.fit.train_recognizer import REPOSITORY
 from voice_assist.training.options import speech_option
 from voice_assist.training.transcribe import TranscriptTally, in_noise, tally, transcripts
+from voice_assist.types import RATE
 
 
 def row(name: str, found: TranscriptTally) -> str:
@@ -51,10 +52,9 @@ def _run() -> None:
     options = parse(__doc__)
     model = restore(read_checkpoint(find_checkpoint(options.model))).eval()
     corpus = held_out_corpus(options.speech, options.cache, options.seed)
-    around = corpus.around
 
     def show(name: str, clips: list[TrainingClip], snr: float | None = None) -> None:
-        written = transcripts(model, in_noise(clips, snr, around))
+        written = transcripts(model, in_noise(clips, snr, corpus.around))
         print(row(name, tally(clips, written)), flush=True)
 
     commands = [clip for clip in corpus.held_out if clip.kind == "command"]
@@ -76,7 +76,8 @@ def _run() -> None:
         show(f'human "stop", {snr:.0f} dB', stops, snr)
         show(f"every second other human word, {snr:.0f} dB", words[::2], snr)
     show("human talk (false_accept_dev)", corpus.talk)
-    print(f"human talk measured: {sum(len(c.samples) for c in corpus.talk) / 16000 / 3600:.2f} h")
+    hours = sum(len(c.samples) for c in corpus.talk) / RATE / 3600
+    print(f"human talk measured: {hours:.2f} h")
 
 
 def held_out_corpus(speech: Path, cache: Path, seed: int) -> Corpus:

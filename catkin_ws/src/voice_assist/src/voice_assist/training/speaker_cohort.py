@@ -23,13 +23,12 @@ from voice_assist.speaker.cohort import NEAREST, PATH, write_cohort
 from voice_assist.speaker.network import Vector, VoiceNetwork
 from voice_assist.speaker.speech import spoken
 from voice_assist.text.csv_rows import csv_rows
-from voice_assist.training.data.human import MANIFEST
+from voice_assist.training.data.human import MANIFEST, SPEECH_KINDS
 from voice_assist.types import RATE, Samples
 
 LENGTHS = (0.5, 0.7, 1.0, 1.6)  # [s] of the utterances kept of each speaker, as commands last
 MIN_SPEECH = 5.0  # [s] of speech of a speaker that is used
 MAX_SPEECH = 30.0  # [s] that is read of one
-KINDS = ("speech", "positive")
 SPLITS = ("train",)  # of the background
 Who = tuple[str, str]  # source and speaker
 
@@ -47,7 +46,7 @@ def clips_of(folder: Path, splits: Sequence[str]) -> dict[Who, list[str]]:
     clips: dict[Who, list[str]] = defaultdict(list)
     columns = ("path", "kind", "speaker", "source", "split")
     for _, (path, kind, speaker, source, split) in csv_rows(folder / MANIFEST, *columns):
-        if split in splits and kind in KINDS and speaker:
+        if split in splits and kind in SPEECH_KINDS and speaker:
             clips[source, speaker].append(path)
     return clips
 

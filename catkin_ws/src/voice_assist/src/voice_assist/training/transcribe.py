@@ -31,7 +31,6 @@ class TranscriptTally:
     n: int
     right: int  # transcript equals the first LETTERS of the text
     taken: int  # transcript is a command, though another was or none was said
-    hours: float
 
     @property
     def accuracy(self) -> float:
@@ -81,7 +80,6 @@ def tally(clips: Sequence[TrainingClip], written: Sequence[str]) -> TranscriptTa
         n=len(pairs),
         right=sum(clip.text[:LETTERS].strip() == text for clip, text in pairs),
         taken=sum(text in COMMANDS and text != clip.text for clip, text in pairs),
-        hours=sum(len(clip.samples) for clip in clips) / RATE / 3600,
     )
 
 

@@ -4,11 +4,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.training.data.corpus import Corpus
-from voice_assist.training.data.noise import Surroundings
 from voice_assist.training.data.synthesis import TrainingClip
 from voice_assist.training.transcribe import TranscriptTally, in_noise, tally, transcripts
 
@@ -30,15 +29,14 @@ class ValidationFigures:
         """Commands heard, less three times the share of false commands."""
         heard = 0.25 * self.quiet.accuracy + 0.15 * self.noisy.accuracy
         heard += 0.2 * self.loud.accuracy + 0.4 * self.stop.accuracy
-        parts = [getattr(self, name) for name in asdict(self)]
+        parts = vars(self).values()
         false = sum(part.taken for part in parts) / max(sum(part.n for part in parts), 1)
         return heard - 3.0 * false
 
     def flat(self) -> dict[str, object]:
         """Figures as plain numbers for a log."""
-        parts = {name: getattr(self, name) for name in asdict(self)}
         numbers: dict[str, object] = {"score": round(self.score, 4)}
-        for name, part in parts.items():
+        for name, part in vars(self).items():
             numbers[name] = f"{part.right}/{part.n}, false {part.taken}"
         return numbers
 
@@ -55,10 +53,9 @@ def measure(model: WhisperCtc, corpus: Corpus, thin: int = 2) -> ValidationFigur
     near = [clip for clip in corpus.held_out if clip.kind != "command"]
     stop = [clip for clip in corpus.people if clip.text == "stop"]
     words = [clip for clip in corpus.people if clip.text != "stop"]
-    around = corpus.around
 
     def read(clips: Sequence[TrainingClip], snr: float | None = None) -> TranscriptTally:
-        return _read(model, clips, snr, around)
+        return tally(clips, transcripts(model, in_noise(clips, snr, corpus.around)))
 
     return ValidationFigures(
         quiet=read(commands[::thin]),
@@ -69,12 +66,3 @@ def measure(model: WhisperCtc, corpus: Corpus, thin: int = 2) -> ValidationFigur
         words=read(words[:: 2 * thin]),
         talk=read(corpus.talk[::thin]),
     )
-
-
-def _read(
-    model: WhisperCtc,
-    clips: Sequence[TrainingClip],
-    snr: float | None,
-    around: Surroundings,
-) -> TranscriptTally:
-    return tally(clips, transcripts(model, in_noise(clips, snr, around)))

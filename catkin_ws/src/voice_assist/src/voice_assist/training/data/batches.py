@@ -91,7 +91,7 @@ class Batches:
 
     def _pool(self, pool: int) -> list[Batch]:
         rng = np.random.default_rng((self._seed, pool))
-        drawn = sorted((self._draw(rng) for _ in range(POOL)), key=_length)
+        drawn = sorted((self._draw(rng) for _ in range(POOL)), key=lambda one: one.length)
         groups = self._split(drawn[::-1], rng)
         order = rng.permutation(len(groups))
         return [self._make(groups[index], int(rng.integers(2**31))) for index in order]
@@ -153,10 +153,6 @@ def teacher_tensors(texts: list[list[int]]) -> tuple[Tensor, Tensor]:
         wanted = [NO_TIMESTAMPS if text else NO_SPEECH, *text, END]
         targets[row, : len(wanted)] = torch.tensor(wanted)
     return tokens, targets
-
-
-def _length(one: Drawn) -> int:
-    return one.length
 
 
 def _rounded(length: int) -> int:

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from voice_assist.training.data.human import (
-    load_sounds,
     load_speech,
+    load_surroundings,
     read_manifest,
     training_sentences,
 )
@@ -21,7 +21,7 @@ from voice_assist.training.data.neural_voices import (
     plan_neural,
     plan_neural_texts,
 )
-from voice_assist.training.data.noise import Surroundings, build_rooms
+from voice_assist.training.data.noise import Surroundings
 from voice_assist.training.data.synthesis import (
     SynthesisAmounts,
     TrainingClip,
@@ -84,13 +84,11 @@ def load_corpus(
             train += spoken(plan_neural_texts(), packages, cache / "neural_texts")
         train += _foreign(seed, cache / "foreign", workers)
     human = [c for c in load_speech(rows, "train", recordings) if c.text and c.text.isascii()]
-    rng = np.random.default_rng(seed)
-    rooms = build_rooms(load_sounds(rows, "rir"), rng)
     talkers = [clip.samples for clip in [*human, *train] if len(clip.samples) > 24000]
     talk = load_speech(rows, "false_accept_dev", recordings, longest=10.0)[::TALK_THIN]
     return Corpus(
         train=train + human,
-        around=Surroundings(load_sounds(rows, "noise"), rooms, talkers),
+        around=load_surroundings(rows, np.random.default_rng(seed), talkers),
         held_out=synthesise(plan_held_out(seed), cache / "held_out", workers),
         people=load_speech(rows, "dev", recordings),
         talk=talk,

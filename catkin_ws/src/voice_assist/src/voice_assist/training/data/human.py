@@ -9,16 +9,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.random import Generator
 
+from voice_assist.audio.espeak import Int16
 from voice_assist.audio.sound_file import read_sound
 from voice_assist.errors import ManifestError
 from voice_assist.text.csv_rows import csv_rows
 from voice_assist.training.cache_key import keyed
+from voice_assist.training.data.noise import Surroundings, build_rooms
 from voice_assist.training.data.synthesis import TrainingClip, read_sounds, save_sounds
 from voice_assist.training.data.texts import normalise_text
 
 MANIFEST = "manifest.csv"
-RowKind = str  # "positive", "speech", "noise" or "rir"
+SPEECH_KINDS = ("speech", "positive")  # of rows; the others are "noise" and "rir"
 _COLUMNS = ("path", "kind", "transcript", "speaker", "seconds", "source", "split")
 _LONGEST = 36.0  # [s] of a file of speech
 
@@ -28,7 +31,7 @@ class ManifestRow:
     """One line of the manifest."""
 
     path: Path
-    kind: RowKind
+    kind: str
     transcript: str
     speaker: str
     seconds: float
@@ -62,7 +65,7 @@ def speech_rows(
         row
         for row in rows
         if row.split == split
-        and row.kind in ("speech", "positive")
+        and row.kind in SPEECH_KINDS
         and row.seconds <= longest
         and (row.transcript or split != "train")
     ]
@@ -99,10 +102,18 @@ def stamped(rows: Sequence[ManifestRow]) -> list[tuple[ManifestRow, int, int]]:
     return [(row, *_stamp(row.path)) for row in rows]
 
 
-def load_sounds(rows: Sequence[ManifestRow], kind: RowKind) -> list[np.ndarray]:
+def load_sounds(rows: Sequence[ManifestRow], kind: str) -> list[np.ndarray]:
     """Noise or room responses for training, float32, each of shape (n,)."""
     paths = [row.path for row in rows if row.kind == kind and row.split == "train"]
     return [read_int16(path).astype(np.float32) / 32768 for path in paths]
+
+
+def load_surroundings(
+    rows: Sequence[ManifestRow], rng: Generator, talkers: Sequence[Int16] = ()
+) -> Surroundings:
+    """Recorded noises and rooms with computed ones, and speech to make babble of."""
+    rooms = build_rooms(load_sounds(rows, "rir"), rng)
+    return Surroundings(load_sounds(rows, "noise"), rooms, talkers)
 
 
 def read_int16(path: Path) -> np.ndarray:

@@ -120,7 +120,7 @@ def _sources(clips: Sequence[TrainingClip], aligned: Sequence[Aligned]) -> dict[
         sources["splice"] = lambda rng: splice(parts, rng)
     mined = [(a, i) for a in human for i, w in enumerate(a.words) if w.word in RARE]
     if mined:
-        sources["mined"] = lambda rng: _around(*mined[int(rng.integers(len(mined)))], rng)
+        sources["mined"] = lambda rng: _around(*_pick(mined, rng), rng)
     return sources
 
 

@@ -23,7 +23,7 @@ from voice_assist.training.data.kokoro import (
     KokoroPrompt,
     is_british,
 )
-from voice_assist.training.data.voices import Prompt, espeak_variants, random_style
+from voice_assist.training.data.voices import Prompt, by_voice, espeak_variants, random_style
 
 _SEED = 3
 _NEAR, _TALK, _WORDS = 18, 6, 14  # texts of each voice
@@ -63,7 +63,7 @@ def plan_neural(sentences: Sequence[str]) -> list[KokoroPrompt]:
             prompts += _said(spans, voice, rng.choice(SPEEDS), "", "neural span")
         else:
             language = LANGUAGES[voice[0]]
-            for word in rng.sample(_words(language), _WORDS):
+            for word in rng.sample(texts.phrases(WORDS[language]), _WORDS):
                 sounds = for_kokoro(ipa(word, language))
                 prompts.append(KokoroPrompt(folded(word), sounds, voice, 1.0, "foreign"))
     return [prompt for prompt in prompts if prompt.text]
@@ -91,10 +91,10 @@ def plan_foreign(seed: int) -> list[Prompt]:
     said = [
         Prompt(word, "espeak", f"{language}+{rng.choice(variants)}", *random_style(rng))
         for language in _LATIN
-        for word in _words(language)
+        for word in texts.phrases(WORDS[language])
         for _ in range(_TAKES)
     ]
-    return sorted(said, key=lambda p: (p.engine, p.voice, p.text, p.rate))
+    return sorted(said, key=by_voice)
 
 
 def folded(word: str) -> str:
@@ -112,7 +112,3 @@ def _said(
         sounds = english(text, british=british, accent=accent)
         if text in texts.COMMANDS or sounds not in commands:
             yield KokoroPrompt(text, sounds, voice, speed, kind)
-
-
-def _words(language: str) -> list[str]:
-    return WORDS[language].strip().replace("\n", "|").split("|")

@@ -7,7 +7,7 @@ import hashlib
 import multiprocessing
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from itertools import groupby
+from itertools import cycle, groupby, islice
 from pathlib import Path
 from random import Random
 
@@ -17,7 +17,7 @@ from voice_assist.audio.espeak import Int16
 from voice_assist.training.array_file import write_arrays
 from voice_assist.training.data import texts, voices
 from voice_assist.training.data.homophones import same_as_command
-from voice_assist.training.data.voices import Engine, Prompt, random_style, speak
+from voice_assist.training.data.voices import Engine, Prompt, by_voice, random_style, speak_in_turn
 
 CHUNK = 200  # prompts per cache file
 NOTHING = np.zeros(0, np.int16)
@@ -58,15 +58,11 @@ def plan_training(sentences: Sequence[str], seed: int, amounts: SynthesisAmounts
     """Prompts for training, grouped by voice; no held-out voice speaks."""
     rng = Random(seed)
     variants, _ = voices.espeak_variants()
-    said: list[str] = []
-    said += [texts.COMMANDS[i % 7] for i in range(amounts.command)]
+    said = _in_turn(texts.COMMANDS, amounts.command)
     said += [texts.command_variant(rng) for _ in range(amounts.variant)]
-    near = texts.NEAR_MISSES
-    said += [near[i % len(near)] for i in range(amounts.near)]
-    hard = texts.HARD
-    said += [hard[i % len(hard)] for i in range(amounts.hard)]
-    talk = texts.TALK
-    said += [talk[i % len(talk)] for i in range(amounts.talk)]
+    said += _in_turn(texts.NEAR_MISSES, amounts.near)
+    said += _in_turn(texts.HARD, amounts.hard)
+    said += _in_turn(texts.TALK, amounts.talk)
     for _ in range(amounts.span):
         is_number = rng.random() < 0.1
         span = texts.word_span(sentences, rng)
@@ -79,14 +75,18 @@ def plan_texts(said: Sequence[str], seed: int, amount: int) -> list[Prompt]:
     """So many prompts of these texts, grouped by voice; no held-out voice speaks."""
     rng = Random(seed)
     variants, _ = voices.espeak_variants()
-    return _cast([said[i % len(said)] for i in range(amount)], variants, rng)
+    return _cast(_in_turn(said, amount), variants, rng)
+
+
+def _in_turn(said: Sequence[str], count: int) -> list[str]:
+    return list(islice(cycle(said), count))
 
 
 def _cast(said: Sequence[str], variants: list[str], rng: Random) -> list[Prompt]:
     """A voice for each text, but for those that sound like a command in it."""
     cast = (cast_voice(text, variants, rng) for text in said)
     prompts = [p for p in cast if not _is_homophone(p)]
-    return sorted(prompts, key=lambda p: (p.engine, p.voice, p.text, p.rate))
+    return sorted(prompts, key=by_voice)
 
 
 def plan_held_out(seed: int, per_voice: int = 2) -> list[Prompt]:
@@ -105,7 +105,7 @@ def plan_held_out(seed: int, per_voice: int = 2) -> list[Prompt]:
         for text in [*texts.COMMANDS * per_voice, *near]:
             rate, pitch = rng.uniform(0.85, 1.2), rng.uniform(0.35, 0.65)
             prompts.append(Prompt(text, engine, voice, rate, pitch))
-    return sorted(prompts, key=lambda p: (p.engine, p.voice, p.text, p.rate))
+    return sorted(prompts, key=by_voice)
 
 
 def synthesise(prompts: Sequence[Prompt], cache: Path, workers: int = 2) -> list[TrainingClip]:
@@ -156,9 +156,7 @@ def _path(prompts: list[Prompt], cache: Path) -> Path:
 
 def _speak_chunk(job: tuple[list[Prompt], Path]) -> None:
     prompts, path = job
-    sounds: list[Int16 | None] = []
-    for _, group in groupby(prompts, key=lambda p: (p.engine, p.voice)):
-        sounds += speak(list(group))
+    sounds = (sound for _, sound in speak_in_turn(prompts))
     save_sounds([NOTHING if sound is None else sound for sound in sounds], path)
 
 

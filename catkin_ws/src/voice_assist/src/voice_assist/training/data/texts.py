@@ -9,6 +9,12 @@ from random import Random
 from voice_assist.recognizer.vocabulary import CHARACTERS
 from voice_assist.text.amounts import UNITS, spoken_amount, spoken_value
 
+
+def phrases(lines: str) -> tuple[str, ...]:
+    """Phrases of lines of text, with "|" between them."""
+    return tuple(lines.strip().replace("\n", "|").split("|"))
+
+
 COMMANDS = (
     "hey robot",
     "tense",
@@ -20,8 +26,7 @@ COMMANDS = (
 )
 
 # Said like a command, and no command: each must be written as what it is.
-NEAR_MISSES = tuple(
-    """
+NEAR_MISSES = phrases("""
 tents|dense|tens|ten|tennis|sense|pence|fence|hence|tent|attend|intense|tension
 pretense|the tents are here|tense up|tensing|tend|test|tenth|guess|text|tells
 least|lease|at least|police|release form|the release form|released|releasing|relief
@@ -42,15 +47,11 @@ stop it now please|release the clamp|tense muscles|more light|less light|more or
 more suction|more traction|less tension|let go|hold|hold on|wait|go on|keep going
 moor|mall|mole|pour|pore|core|four more|some more|any more|much more|once more
 lesson|lest|loss|lass|let's|left|unless|useless|bless|dress|mess|yes|guess less
-""".replace("\n", "|")
-    .strip("|")
-    .split("|")
-)
+""")
 
 # More of the same, for training alone: near misses that earlier checkpoints took for
 # commands, negations, and commands inside sentences.
-HARD = tuple(
-    """
+HARD = phrases("""
 stops|stops it|it stops|stop sign|stop watch|stopper|stopwatch|stepped|stopping it|stock up
 up|go|down|on|off|no|get up|sit down|go up|go down|go on|come on|turn it off|start it
 start|started|starts|starting|start up|restart|start now|start over|smart|art|part|dark
@@ -80,29 +81,21 @@ stop and go|stop or go|stop looking|stop talking|stop worrying|stop at the door|
 past tense|future tense|the tense is wrong|a tense moment|so tense|very tense|tense and tired
 terminate the call|terminate his contract|terminate it|to terminate|could terminate
 a robot arm|the robot is here|robot vacuum|that robot|say hey robot|hey the robot moved
-""".replace("\n", "|")
-    .strip("|")
-    .split("|")
-)
+""")
 
 # Of both, those a sound or two away from a command, which are most often taken for it.
-TWINS = tuple(
-    """
+TWINS = phrases("""
 tents|dense|tens|ten|sense|pence|fence|hence|tent|tenth|tenths|tend|tends|dents|pens|tense up
 least|lease|leash|leased|a lease|her lease|we lease|the lease|relief|relieve|relish|releases
 full more|poor more|wool more|bull more|pool more|fool more|poll more|paul moore|pull moor
 pull moors|push more|four more|pulls more|no more|pull mall|pull mortar
 full less|pool less|bull less|pull left|pull us|pull list|pull last|push less|pulls less|no less
 shop|top|stops|stopped|step|stuff|stock|stomp|chop|up|terminal|terminates|germinate|determinate
-""".replace("\n", "|")
-    .strip("|")
-    .split("|")
-)
+""")
 
 # What begins like a command and goes on as another word, or has its vowels, for the lesson
 # "beginnings". Words of the people's clips that measure are not among them.
-BEGINNINGS = tuple(
-    """
+BEGINNINGS = phrases("""
 snow|snowing|snowman|snowball|snack|snail|snake|snap|sneeze|sniff|snore|slow|slowly|slope|sleep
 smoke|small|smell|smile|so|sew|sock|sole|soul|soap|sobbing|spoke|spoon|spot on|spoil|spring|spar
 stone|stove|stole|stony|stairs|steel|stitch|stocking|stomach|stocks|story|stars|storage|scold
@@ -113,13 +106,9 @@ pure glass|pull glass|view less|view this|view list|viewless|through less|you le
 few more|view more|new more|you more|blue more|who's more|fuel more|cool more|pure more|to more
 realise|re lease|the leaf|relic|breeze|release her|fleece|grease|trellis|travel less|jealous
 tension rod|tents and|ten so|ten sir|dance|tanned|turns|chance|attends|ten cents|tin|tins|thins
-""".replace("\n", "|")
-    .strip("|")
-    .split("|")
-)
+""")
 
-TALK = tuple(
-    """
+TALK = phrases("""
 can you pass me the scissors please|suction please|more light over here
 where is the trocar|the patient is stable|blood pressure is one twenty over eighty
 how was your weekend|we are almost done|please close the door|swab count is correct
@@ -140,10 +129,7 @@ up|down|yes|no|okay|right|sure|wait a second|one moment|what did you say|say it 
 the robot is not moving|why did it stop|it should release now|i would pull it less
 do you want more tea|she has less pain today|he was tense before surgery
 the lease ends in june|the shop was closed|we camped in tents|dense tissue here
-""".replace("\n", "|")
-    .strip("|")
-    .split("|")
-)
+""")
 
 DIGITS = (
     *("zero", "one", "two", "three", "four", "five", "six", "seven"),

@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 from random import Random
 from tempfile import TemporaryDirectory
@@ -97,6 +98,18 @@ def speak(prompts: list[Prompt]) -> list[Int16 | None]:
         return _festival(prompts)
     one = _ENGINES[prompts[0].engine]
     return [one(prompt) for prompt in prompts]
+
+
+def speak_in_turn(prompts: Iterable[Prompt]) -> Iterator[tuple[Prompt, Int16 | None]]:
+    """Each prompt and its sound, as `speak` gives it; those of one voice stand together."""
+    for _, group in groupby(prompts, key=lambda prompt: (prompt.engine, prompt.voice)):
+        same = list(group)
+        yield from zip(same, speak(same), strict=True)
+
+
+def by_voice(prompt: Prompt) -> tuple[str, str, str, float]:
+    """Key that sorts prompts by voice."""
+    return prompt.engine, prompt.voice, prompt.text, prompt.rate
 
 
 def random_style(rng: Random) -> tuple[float, float]:

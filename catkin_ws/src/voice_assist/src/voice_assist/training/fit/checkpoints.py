@@ -15,7 +15,7 @@ from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.safe_weights import write_weights
 from voice_assist.training.cache_key import differences
 
-AVERAGE_DECAY = 0.998
+_DECAY = 0.998  # of the running mean of the weights
 _ASKED = "asked"
 
 
@@ -31,6 +31,11 @@ class Progress:
     batch: int = 0  # batches of the pool that are done
 
 
+def kept_share(step: int) -> float:
+    """Share of a running mean that a step leaves; less in the first steps."""
+    return min(_DECAY, (1 + step) / (10 + step))
+
+
 class Average:
     """Exponential moving average of a model's weights, used for measuring."""
 
@@ -40,7 +45,7 @@ class Average:
 
     def update(self, model: WhisperCtc, step: int) -> None:
         """Move towards the model's weights; faster in the first steps."""
-        keep = min(AVERAGE_DECAY, (1 + step) / (10 + step))
+        keep = kept_share(step)
         held = list(self.weights.values())
         torch._foreach_mul_(held, keep)
         torch._foreach_add_(held, list(model.state_dict().values()), alpha=1 - keep)

@@ -81,13 +81,13 @@ STAGES = (
     TrainingStage(1_000_000, PIECES, 80.0, 7.8, Strength(), True),
 )
 
+_WEIGHTS = {
+    **{"mending": MENDING, "balanced": BALANCED, "twins": TWINNED},
+    **{"beginnings": BEGUN, "amounts": COUNTED, "voices": VOICED},
+}
 CONTINUED = {
-    "mending": (TrainingStage(1_000_000, MENDING, 80.0, 7.8, HARSH, True),),
-    "balanced": (TrainingStage(1_000_000, BALANCED, 80.0, 7.8, HARSH, True),),
-    "twins": (TrainingStage(1_000_000, TWINNED, 80.0, 7.8, HARSH, True),),
-    "beginnings": (TrainingStage(1_000_000, BEGUN, 80.0, 7.8, HARSH, True),),
-    "amounts": (TrainingStage(1_000_000, COUNTED, 80.0, 7.8, HARSH, True),),
-    "voices": (TrainingStage(1_000_000, VOICED, 80.0, 7.8, HARSH, True),),
+    lesson: (TrainingStage(1_000_000, weights, 80.0, 7.8, HARSH, True),)
+    for lesson, weights in _WEIGHTS.items()
 }
 LESSONS = tuple(CONTINUED)
 WRITING = TrainingStage(400, WHOLE, 80.0, 7.8, Strength(), False)  # in letters

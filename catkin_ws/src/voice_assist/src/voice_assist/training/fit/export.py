@@ -11,6 +11,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from typed_config import replacing
 from voice_assist.recognizer.embedded import EMBEDDING
 from voice_assist.recognizer.hybrid import WhisperCtc
 from voice_assist.recognizer.vocabulary import GARBAGE, N_VOCAB, WHISPER_IDS
@@ -44,9 +45,8 @@ def export(model: WhisperCtc, path: Path) -> None:
     checkpoint["ctc_state_dict"] = head
     plain = io.BytesIO()
     torch.save(checkpoint, plain)
-    temporary = path.with_suffix(".tmp")
-    _compress(plain, temporary)
-    temporary.replace(path)
+    with replacing(path, ".tmp") as temporary:
+        _compress(plain, temporary)
 
 
 def _compress(plain: io.BytesIO, path: Path) -> None:

@@ -14,8 +14,8 @@ from voice_assist.recognizer.vocabulary import BLANK
 from voice_assist.training.data.batches import IGNORED, Batch
 from voice_assist.training.precision import cheap_numbers
 
-CTC_SHARE = 0.4
-SMOOTHING = 0.05
+_CTC_SHARE = 0.4
+_SMOOTHING = 0.05
 
 
 @dataclass(frozen=True)
@@ -33,14 +33,28 @@ def joint_loss(model: WhisperCtc, batch: Batch) -> JointLoss:
         states = model.encode(batch.mel)
         logprobs = model.ctc_logprobs(states)
         logits = model.logits(batch.tokens, states)
-    ctc = ctc_loss(logprobs, batch.texts)
+    return combined(logprobs, logits, batch.targets, batch.texts)
+
+
+def combined(
+    logprobs: Tensor, logits: Tensor, targets: Tensor, texts: list[list[int]]
+) -> JointLoss:
+    """The loss of what both heads give.
+
+    Args:
+        logprobs: Of the CTC head. Shape (batch, time, BLANK + 1).
+        logits: Of the decoder. Shape (batch, length, ids).
+        targets: Wanted of the decoder. Shape (batch, length).
+        texts: Character ids of each item.
+    """
+    ctc = ctc_loss(logprobs, texts)
     decoder = functional.cross_entropy(
         logits.flatten(0, 1),
-        batch.targets.flatten(),
+        targets.flatten(),
         ignore_index=IGNORED,
-        label_smoothing=SMOOTHING,
+        label_smoothing=_SMOOTHING,
     )
-    total = CTC_SHARE * ctc + (1 - CTC_SHARE) * decoder
+    total = _CTC_SHARE * ctc + (1 - _CTC_SHARE) * decoder
     return JointLoss(total, float(ctc.detach()), float(decoder.detach()))
 
 

@@ -19,7 +19,14 @@ import torch
 from torch import nn
 from whisper.model import disable_sdpa
 
-from typed_config import check_writable, count_option, number_option, repository, run_command
+from typed_config import (
+    check_writable,
+    count_option,
+    number_option,
+    replacing,
+    repository,
+    run_command,
+)
 from voice_assist.errors import ModelError, VoiceError
 from voice_assist.recognizer.checkpoint import find_checkpoint, read_checkpoint
 from voice_assist.recognizer.hybrid import WhisperCtc
@@ -124,9 +131,8 @@ class TrainingRun:
         if not self.progress.best_step:
             self._measure()
             return
-        temporary = self.options.out.with_suffix(".tmp")
-        shutil.copyfile(self._point(self.progress.best_step), temporary)
-        temporary.replace(self.options.out)
+        with replacing(self.options.out, ".tmp") as temporary:
+            shutil.copyfile(self._point(self.progress.best_step), temporary)
 
     def _point(self, step: int) -> Path:
         """File of a measured point."""

@@ -21,13 +21,13 @@ from voice_assist.training.cache_key import keyed
 from voice_assist.training.data import texts, voices
 from voice_assist.training.data.human import (
     ManifestRow,
-    load_sounds,
     load_speech,
+    load_surroundings,
     read_manifest,
     speech_rows,
     stamped,
 )
-from voice_assist.training.data.noise import Surroundings, build_rooms
+from voice_assist.training.data.noise import Surroundings
 from voice_assist.training.data.synthesis import TrainingClip, cast_voice, synthesise
 from voice_assist.training.spotter.embed import LongEmbedder
 from voice_assist.training.spotter.streams import (
@@ -47,16 +47,14 @@ _EARLY, _LATE, _AFTER = 0.04, 0.36, 0.9  # [s] around the end of a word
 _SHORT, _TALK = 2.5, 1.5  # [s] that single words are below, and that talk is above
 
 # Said like the word by the synthetic voices, and not it.
-NEAR = tuple(
-    """
+NEAR = texts.phrases("""
 top|shop|step|up|start|stomp|stuff|stock|stopped|stopping|stops|strap|chop|slop|drop|hop|pop
 crop|star|store|stand|stay|still|stool|scope|sob|spot|stab|swap|laptop|tap|tough|stub|stump|type
 stoop|steep|stamp|staff|stiff|storm|stone|stack|stuck|stalk|sock|soap|soup|sup|sap|op|on top|okay
 step up|hey shop|the shop|add up|set up|cut|but|got|not|what|hot|god|job|top it up|one step|snow
 go|no|yes|on|off|down|left|right|house|dog|bob|boy|hadouken|jarvis|computer|amelia|snowboy|athena
 sport|spat|stopper|post|past|most|test|cost|lost|hoped|pope|rope|hope|cope|tape|tip|tub
-""".replace("\n", "|").strip("|").split("|")
-)  # fmt: skip
+""")
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,9 +141,8 @@ def load_material(speech: Path, cache: Path, seed: int, amounts: SpotterAmounts)
     spoken += [rng.choice(NEAR if rng.random() < 0.75 else spans) for _ in range(amounts.near)]
     variants, _ = voices.espeak_variants()
     prompts = [cast_voice(text, variants, rng) for text in spoken]
-    prompts.sort(key=lambda p: (p.engine, p.voice, p.text, p.rate))
+    prompts.sort(key=voices.by_voice)
     clips = synthesise(prompts, cache / "synthetic", workers=1)
-    rooms = build_rooms(load_sounds(rows, "rir"), np.random.default_rng(seed))
     talkers = [c.samples for c in sentences if len(c.samples) > _TALK * RATE]
     return SpotterMaterial(
         words=words,
@@ -153,7 +150,7 @@ def load_material(speech: Path, cache: Path, seed: int, amounts: SpotterAmounts)
         sentences=sentences,
         synthetic=[clip for clip in clips if clip.text == WORD],
         near=[clip for clip in clips if clip.text != WORD],
-        around=Surroundings(load_sounds(rows, "noise"), rooms, talkers),
+        around=load_surroundings(rows, np.random.default_rng(seed), talkers),
     )
 
 

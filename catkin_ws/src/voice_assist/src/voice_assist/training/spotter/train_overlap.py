@@ -32,7 +32,7 @@ from voice_assist.spotter.overlap import (
 from voice_assist.training.ahead import ahead
 from voice_assist.training.cache_key import digest
 from voice_assist.training.data.kokoro import plan_words, spoken
-from voice_assist.training.fit.checkpoints import check_same_run
+from voice_assist.training.fit.checkpoints import check_same_run, kept_share
 from voice_assist.training.fit.train_recognizer import REPOSITORY, progress_file
 from voice_assist.training.options import device_option, speech_option
 from voice_assist.training.precision import cheap_numbers
@@ -43,7 +43,6 @@ from voice_assist.training.spotter.streams import WORD
 AMOUNTS = SpotterAmounts(synthetic=240, near=420, recorded=5)
 _SHARE_OF_FRAMES = 0.3  # of the loss
 _PLAIN = 0.4  # of the steps have the full rate; then it falls in a line
-_KEEP = 0.998  # of the running mean of the weights
 _SAVE_EVERY = 50  # steps
 
 
@@ -166,7 +165,7 @@ def _batch(material: OverlapMaterial, options: argparse.Namespace, step: int) ->
 
 def average(mean: OverlapNetwork, network: OverlapNetwork, step: int) -> None:
     """Move the running mean of the trained weights on; faster in the first steps."""
-    keep = min(_KEEP, (1 + step) / (10 + step))
+    keep = kept_share(step)
     newest, held = network.own_state(), mean.own_state()
     for name, weight in held.items():
         weight.mul_(keep).add_(newest[name].detach(), alpha=1.0 - keep)

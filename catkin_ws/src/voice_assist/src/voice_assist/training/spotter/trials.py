@@ -13,10 +13,10 @@ import numpy as np
 import torch
 
 from voice_assist.assembly import make_spotter
-from voice_assist.audio.mixing import add_noise, end_of_speech
+from voice_assist.audio.mixing import end_of_speech
 from voice_assist.audio.source import Framer
 from voice_assist.config import SpotterConfig, VoiceConfig
-from voice_assist.evaluation.evaluator import AFTER, BEFORE, QUIET_DB
+from voice_assist.evaluation.evaluator import BEFORE, surrounded
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.recognizer.recognizer import Recognizer
 from voice_assist.spotter.fusion import StopEvidence, StopFusion
@@ -150,7 +150,7 @@ class TrialRunner:
         self, clips: Iterable[tuple[str, Samples]], noises: Sequence[Samples], snr: float, thin: int
     ) -> Iterator[SpotterTrial]:
         for number, (name, samples) in enumerate(clips):
-            stream = _surrounded(samples, noises, snr, number)
+            stream = surrounded(samples, np.random.default_rng(number), noises, snr)
             weight = thin if thin > 1 and self._best(stream) < self._floor else 1
             if number % weight:
                 continue
@@ -181,19 +181,6 @@ class TrialRunner:
 def as_float(samples: np.ndarray) -> Samples:
     """16-bit sound to [-1, 1]."""
     return np.asarray(samples, np.float32) / np.float32(FULL_SCALE)
-
-
-def _surrounded(samples: Samples, noises: Sequence[Samples], snr: float, number: int) -> Samples:
-    """A clip with quiet around it, as `make evaluate` does it."""
-    rng = np.random.default_rng(number)
-    length = round((BEFORE + AFTER) * RATE) + len(samples)
-    stream = 10.0 ** (QUIET_DB / 20.0) * rng.standard_normal(length)
-    start = round(BEFORE * RATE)
-    stream[start : start + len(samples)] += samples
-    if noises:
-        noise = noises[int(rng.integers(len(noises)))]
-        stream = add_noise(stream, noise, samples, snr, rng)
-    return np.asarray(stream, np.float32)
 
 
 def _finite(score: float | None) -> float:

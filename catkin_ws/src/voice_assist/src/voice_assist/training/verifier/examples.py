@@ -30,6 +30,7 @@ from voice_assist.training.data.augment import Strength, add_background, colour,
 from voice_assist.training.data.foreign_words import WORDS
 from voice_assist.training.data.noise import Surroundings
 from voice_assist.training.data.synthesis import cast_voice
+from voice_assist.training.data.texts import phrases
 from voice_assist.training.data.voices import Prompt
 from voice_assist.types import RATE
 
@@ -83,17 +84,12 @@ def plan(seed: int) -> list[Said]:
         for _ in range(_ACCENTED):
             voice = f"{rng.choice(voices.FOREIGN)}+{rng.choice(variants)}"
             found.append(Said(Prompt(phrase, "phonemes", voice, *voices.random_style(rng)), phrase))
-    for language, words in foreign().items():
-        for text in words:
+    for language, words in WORDS.items():
+        for text in phrases(words):
             for _ in range(_TAKES):
                 voice = f"{language}+{rng.choice(variants)}"
                 found.append(Said(Prompt(text, "espeak", voice, *voices.random_style(rng)), ""))
     return found
-
-
-def foreign() -> dict[str, list[str]]:
-    """Words by the voice of espeak-ng that says them."""
-    return {voice: words.strip().replace("\n", "|").split("|") for voice, words in WORDS.items()}
 
 
 def varied(sound: Int16, around: Surroundings, rng: Generator) -> NDArray[np.float32]:

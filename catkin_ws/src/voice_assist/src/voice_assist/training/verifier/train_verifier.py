@@ -31,16 +31,16 @@ from voice_assist.training.cache_key import keyed
 from voice_assist.training.data import kokoro
 from voice_assist.training.data.human import (
     ManifestRow,
-    load_sounds,
     load_speech,
+    load_surroundings,
     read_manifest,
     stamped,
     training_sentences,
 )
 from voice_assist.training.data.neural_voices import plan_neural
-from voice_assist.training.data.noise import Surroundings, build_rooms
 from voice_assist.training.data.synthesis import speak_all
 from voice_assist.training.data.texts import TALK
+from voice_assist.training.data.voices import by_voice
 from voice_assist.training.fit.train_recognizer import REPOSITORY, lower_parts
 from voice_assist.training.options import speech_option
 from voice_assist.training.verifier import examples
@@ -176,8 +176,7 @@ def _seen(
 ) -> Iterator[Seen]:
     """What the verifier sees of each clip, varied."""
     rng = np.random.default_rng(seed)
-    rooms = build_rooms(load_sounds(rows, "rir"), rng)
-    around = Surroundings(load_sounds(rows, "noise"), rooms, ())
+    around = load_surroundings(rows, rng)
     for number, (sound, command, voice) in enumerate(said):
         for _ in range(TAKES[bool(command)]):
             varied = examples.varied(sound, around, rng)
@@ -189,7 +188,7 @@ def _seen(
 
 def _espeak(options: argparse.Namespace) -> Iterator[_Clip]:
     planned = {one.prompt: one.command for one in examples.plan(options.seed)}
-    prompts = sorted(planned, key=lambda p: (p.engine, p.voice, p.text, p.rate))
+    prompts = sorted(planned, key=by_voice)
     for prompt, sound in speak_all(prompts, options.cache / "verifier", options.threads):
         yield sound, planned[prompt], f"{prompt.engine}:{prompt.voice}"
 
