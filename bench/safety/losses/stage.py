@@ -9,6 +9,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ from rst_control.config import load_motion_config
 from rst_control.msg import ReasonCode
 from rst_control.types import JOINTS
 from support.waiting import wait_until
+from voice_assist.config.believed import believed_config
 
 WATCHED = 0.8  # [s] after a loss, and after a stop
 FOUND = 10.0  # [s] for new clients to find the controller
@@ -32,6 +34,7 @@ UNTIL_STOP = (0.15, 0.3)  # [s] from a loss that stops nothing to a stop
 PHASES = {"tense": 2.0, "release": 0.6, "pull": 0.15}  # [s] of a motion, at most, before its loss
 GRASPING = 0.4  # share of the losses with free jaws before which tissue is taken
 ATTEMPTS = 8  # at a motion that lasts until its loss
+ROOM = "/losses*"  # node that publishes the sound
 SPOKEN = ("voice", "recogniser")  # their loss concerns motion that was spoken
 TALK = "they will release the beds before the morning"  # that the recogniser decodes, and fails
 
@@ -72,9 +75,11 @@ def stage_for(victim: str, seed: int, log: Path) -> Iterator[LossStage]:
         if victim in SPOKEN:
             lead.room = stack.enter_context(SpeechSource())
         if victim == "voice":
-            voice = {"source": "topic", "audio_node": "/losses*"}
+            voice = {"source": "topic", "audio_node": ROOM}
             parts.launch("voice", "/voice_assist", "voice.launch", **voice)
         if victim == "recogniser":
+            believed = asdict(believed_config(None)) | {"audio": [ROOM]}
+            rospy.set_param("/voice_assist/believed", believed)
             words = (sys.executable, "-m", "bench.safety.losses.voice", "__name:=voice_assist")
             parts.run("recogniser", "/voice_assist", words)
         if victim == "client":
