@@ -100,6 +100,23 @@ def test_the_newest_sound_is_heard_by_itself_only_in_motion():
     assert len(moving.heard) > len(at_rest.heard)
 
 
+class AskedWhen(AlwaysAsSure):
+    """A spotter over talk that hears no stop; keeps the quiet in which it is asked."""
+
+    def __init__(self):
+        super().__init__(-9.0)
+        self.quiet = []
+        self.best = lambda sound, quiet: self.quiet.append(quiet) or -9.0
+
+
+@pytest.mark.parametrize("command", ["tense", "release", "pull more", "pull less"])
+def test_a_stop_beside_a_motion_is_sought_when_its_pause_begins(command):
+    in_sound, early = AskedWhen(), load_voice_config().recognizer.early
+    made = make(stop_in_sound=in_sound)
+    assert commands(run(*made, frames(say(command)))) == [command]
+    assert in_sound.quiet == pytest.approx([early.settle, early.pause])
+
+
 SPOTTER = {"moving__refuse_spotter": 1.0, "moving__spotter_alone": 3.0}
 
 
