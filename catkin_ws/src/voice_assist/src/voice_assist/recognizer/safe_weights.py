@@ -16,6 +16,7 @@ from voice_assist.errors import ModelError
 
 LARGEST = 8_000_000_000  # [B] of all records, unpacked; OpenAI's largest model has 6.2 GB
 ALLOWED = "plain tensors in a zip archive as torch.save writes it"
+FLOATS = torch.float64, torch.float32, torch.float16, torch.bfloat16
 ENCODER_SHA256, STATE = "encoder_sha256", "state"  # keys of a file for one encoder
 Shapes = Mapping[str, tuple[int, ...]]
 
@@ -105,9 +106,10 @@ def _check_tensor(what: str, tensor: object, shape: tuple[int, ...]) -> None:
         raise ModelError(f"{what} is {type(tensor).__name__}, allowed: a dense tensor")
     if tuple(tensor.shape) != shape:
         raise ModelError(f"{what} has the shape {tuple(tensor.shape)}, allowed: {shape}")
-    if not tensor.is_floating_point():
-        raise ModelError(f"{what} is of {tensor.dtype}, allowed: floating point")
-    if not bool(torch.isfinite(tensor).all()):
+    if tensor.dtype not in FLOATS:
+        raise ModelError(f"{what} is of {tensor.dtype}, allowed: one of {FLOATS}")
+    extremes = torch.stack(torch.aminmax(tensor)) if tensor.numel() else tensor  # NaN is both
+    if not bool(torch.isfinite(extremes).all()):
         bad = int((~torch.isfinite(tensor)).sum())
         raise ModelError(f"{what} holds {bad} NaN or infinite, allowed: finite numbers only")
 
