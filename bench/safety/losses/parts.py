@@ -22,6 +22,7 @@ from support.process_groups import STOP_TIME, start_group
 from support.waiting import wait_until
 
 START_TIME = 60.0  # [s] for a part to come up
+DELAY = 10.0  # [s] at most between the signal of a crash and the crash
 SIGNALS = {  # by which a part is lost; the last two mean something to losses/voice.py alone
     "SIGKILL": signal.SIGKILL,
     "SIGSTOP": signal.SIGSTOP,
@@ -52,7 +53,7 @@ class Part:
         self._launch: subprocess.Popen[bytes] | None = None
         self.pid = 0  # of the process that does the work
         self._lost = 0.0  # [s] when
-        self._kills: deque[float] = deque(maxlen=MOST)  # [s] of the present launch
+        self._ends: deque[float] = deque(maxlen=MOST)  # [s] of its process, in this launch
 
     def start(self) -> None:
         """Start it and wait until its process is known.
@@ -67,7 +68,7 @@ class Part:
                 stderr=subprocess.STDOUT,
                 stdin=subprocess.DEVNULL,
             )
-        self._kills.clear()
+        self._ends.clear()
         before, self.pid = self.pid, 0
         wait_until(lambda: self._find(before), f"{self._plan.command[-1]} started", START_TIME)
 
@@ -75,8 +76,8 @@ class Part:
         """Send the signal of a way; gives when [s], time.monotonic()."""
         moment = self._lost = time.monotonic()
         os.kill(self.pid, SIGNALS[way])
-        if way == "SIGKILL":
-            self._kills.append(moment)
+        if way in {"SIGKILL", "crash"}:
+            self._ends.append(moment)
         return moment
 
     def give_back(self, way: str) -> float:
@@ -85,9 +86,10 @@ class Part:
             moment = time.monotonic()
             os.kill(self.pid, signal.SIGCONT)
             return moment
-        if self._plan.is_kept and not self._is_given_up:
+        if self._plan.is_kept and not self._is_given_up(way):
             if way == "hang":
                 self._lost = time.monotonic()
+                self._ends.append(self._lost)
                 os.kill(self.pid, signal.SIGKILL)
             before, moment = self.pid, self._lost + PAUSE
             wait_until(lambda: self._find(before) and self.pid != before, "kept", START_TIME)
@@ -97,10 +99,10 @@ class Part:
         self.start()
         return moment
 
-    @property
-    def _is_given_up(self) -> bool:
-        """Killed so often that its keeper ends the whole launch."""
-        return len(self._kills) == MOST and self._kills[-1] - self._kills[0] < SPAN + 1.0
+    def _is_given_up(self, way: str) -> bool:
+        """It ended so often, or would by this, that its keeper ends the whole launch."""
+        ends = [*self._ends, time.monotonic()] if way == "hang" else [*self._ends]
+        return len(ends) >= MOST and ends[-1] - ends[-MOST] < SPAN + DELAY
 
     def end(self) -> None:
         """End the launch and all that it started."""
