@@ -271,6 +271,14 @@ def test_report_over_a_folder_names_what_it_could_not_read(story, tmp_path, caps
     assert (tmp_path / "a" / "report_summary.json").is_file()
 
 
+@pytest.mark.usefixtures("without_figures")
+def test_report_over_a_folder_fails_where_a_page_cannot_be_written(story, tmp_path, capsys):
+    (tmp_path / "a" / "report.html").mkdir(parents=True)
+    (tmp_path / "a" / "session.mcap").write_bytes(story[0].read_bytes())
+    code, out, _ = run(capsys, "report", tmp_path)
+    assert code == 1 and "1 sessions read, 0 not readable, 1 without their page" in out
+
+
 @pytest.mark.parametrize(
     ("words", "wrong"),
     [

@@ -41,7 +41,7 @@ def test_a_session_whose_page_cannot_be_written_counts_and_is_named(
 ):
     (session.parent / "report.html").mkdir()
     report = write_folder_report([tmp_path], tmp_path, report_config, beside=True)
-    assert (report.sessions, report.unread) == (1, ())
+    assert (report.sessions, report.unread, report.unwritten) == (1, (), 1)
     (said,) = caplog.messages
     assert said.startswith(f"{session}: read and counted, but cannot write {session.parent}: ")
     assert said.endswith("; --out DIR writes elsewhere")

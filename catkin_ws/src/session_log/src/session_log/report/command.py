@@ -21,7 +21,7 @@ if TYPE_CHECKING:  # the report's own modules load matplotlib and scipy: not for
 
 
 def run(arguments: argparse.Namespace, config: ReportConfig) -> int:
-    """Write the report and print what was written; gives 1 where recordings were not readable.
+    """Write the report and print what was written; gives 1 where a session or its page is missing.
 
     Raises:
         SessionLogError: Something named is not there or not readable, or --out is not writable.
@@ -34,7 +34,7 @@ def run(arguments: argparse.Namespace, config: ReportConfig) -> int:
         is_whole = True
     else:
         report = many = _many(named, arguments, config)
-        is_whole = not many.unread
+        is_whole = not (many.unread or many.unwritten)
     for path in (report.page, *report.figures, *report.latex):
         print(path)
     return 0 if is_whole else 1
@@ -69,7 +69,8 @@ def _many(named: list[Path], arguments: argparse.Namespace, config: ReportConfig
     )
     for unread in report.unread:
         print(f"not read: {unread.path}: {unread.reason}", file=sys.stderr)
-    print(f"{report.sessions} sessions read, {len(report.unread)} not readable")
+    lost = f", {report.unwritten} without their page" if report.unwritten else ""
+    print(f"{report.sessions} sessions read, {len(report.unread)} not readable{lost}")
     return report
 
 

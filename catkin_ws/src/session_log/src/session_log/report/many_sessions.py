@@ -6,7 +6,7 @@ from __future__ import annotations
 import logging
 import os
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
@@ -49,6 +49,7 @@ class FolderReport(Report):
 
     sessions: int = 0
     unread: tuple[UnreadSession, ...] = ()
+    unwritten: int = 0  # pages of sessions
 
 
 class NothingReadable(SessionLogError):
@@ -93,7 +94,7 @@ def write_folder_report(
     """
     tasks = list(_tasks(recordings(inputs), out, beside=beside))
     require_writable(out)
-    pool = Pool(config)
+    pool, unwritten = Pool(config), 0
     work = partial(_reduce, config=config, with_page=with_pages)
     for done in run_parallel(work, tasks, min(jobs, len(tasks)), cluster):
         if isinstance(done, Unfinished):
@@ -104,13 +105,14 @@ def write_folder_report(
             task, summary, trouble = done
             if trouble:
                 log.warning("%s: read and counted, but %s", task.path, trouble)
+                unwritten += with_pages
             page = task.folder / PAGE_NAME
             is_there = (with_pages and not trouble) or page.exists()
             pool.add(task.path, page if is_there else None, summary)
     if not pool.members:
         raise NothingReadable(pool.unread)
     try:
-        return _write(pool, out, latex)
+        return replace(_write(pool, out, latex), unwritten=unwritten)
     except OSError as error:
         raise not_written(out, error) from error
 
