@@ -234,6 +234,15 @@ _HEARING = Area(
             decides="rest",
         ),
         Part(
+            "voice.moving",
+            "Talk and single words, in motion",
+            "voice.no_commands.moving",
+            code.HEARING,
+            HUMAN,
+            details=(r"^(talk without|single words|other devices).*(hey robot|terminate) taken",),
+            decides="motion",
+        ),
+        Part(
             "voice.unarmed",
             "Talk, unarmed",
             "voice.no_commands.unarmed",

@@ -35,9 +35,9 @@ ROWS = (
         'human "stop" 0 dB over talk, moving, both ways: stopped',
     ),
     ReadmeRow(
-        'false "stop" in talk, in motion',
-        "voice.overlap",
-        "human talk, moving, both ways: false stops",
+        'false "stop" in talk, single words and other wake words, in motion',
+        "voice.moving",
+        "human speech, moving: false stops",
     ),
     ReadmeRow(
         'false "stop" in talk, single words and other wake words, at rest',

@@ -38,18 +38,21 @@ class StreamedTrial:
     snr: float = 0.0  # [dB] of the speech over the background
     mode: str = Mode.ACTIVE.value
     way: Way = "both"
+    is_moving: bool = False  # the robot, all the time
 
     def scene(self) -> tuple[Label, SoundScene]:
         """What to stream, and what is known of it."""
         sound, end, seconds = stream_of(self)
         label: Label = {**asdict(self.clip), "end": end, "seconds": seconds}
         spans = ((0.0, len(sound) / RATE),) if self.background == "speaking" else ()
-        return label, SoundScene(sound, Mode(self.mode), way=self.way, robot_speaks=spans)
+        mode, moves = Mode(self.mode), self.is_moving
+        return label, SoundScene(sound, mode, way=self.way, is_moving=moves, robot_speaks=spans)
 
 
 def chunks(trials: Sequence[StreamedTrial], is_whole: bool = False) -> list[TrialChunk]:
     """Trials in pieces; whole: all of them, whatever SHARE says."""
-    return in_chunks(trials, PER_CHUNK, is_whole=is_whole)
+    is_moving = any(trial.is_moving for trial in trials)
+    return in_chunks(trials, PER_CHUNK, is_moving, is_whole)
 
 
 def trials_of(clips: Sequence[SpokenClip]) -> list[StreamedTrial]:

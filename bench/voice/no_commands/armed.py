@@ -24,21 +24,32 @@ WORDS, WAKE_WORDS, SENTENCES = "single words", "other devices' words", "talk wit
 
 def measure() -> list[Figure]:
     """Motions, of which there shall be none, and stops per hour; by kind of clip."""
-    spoken = clips()
-    if not spoken:
+    records = measured()
+    figures = by_kind("armed", records, 0.5)
+    if figures:
+        data = {"fired": fired(records), "clips": Counter(_kinds().values())}
+        resumable.write_details("voice/armed_fired.json", hours(records), data)
+    return figures
+
+
+def by_kind(state: str, records: Sequence[SceneRecord], stops: float) -> list[Figure]:
+    """False commands in all clips, and in each kind of them; none where there are no recordings.
+
+    Args:
+        state: In which they are heard.
+        records: Of all clips.
+        stops: Most false stops [1/h].
+    """
+    kinds = _kinds()
+    if not kinds:
         print("no human speech in ../shared/speech: false commands left out")
         return []
-    kinds = dict(zip((c.path for c in spoken), _kinds(spoken), strict=True))
-    records = measured()
-    heard = hours(records)
-    figures = [resumable.measured(round(heard, 3), "h", round(length(spoken), 3))]
-    figures += of_commands("human speech, armed", records, 0.0, 0.5)
+    figures = [resumable.measured(round(hours(records), 3), "h", round(length(clips()), 3))]
+    figures += of_commands(f"human speech, {state}", records, 0.0, stops)
     for kind in (SENTENCES, WORDS, WAKE_WORDS):
         some = [r for r in records if kinds[r.label["path"]] == kind]
         if some:
-            figures += of_commands(f"{kind}, armed", some)
-    data = {"fired": fired(records), "clips": Counter(kinds.values())}
-    resumable.write_details("voice/armed_fired.json", heard, data)
+            figures += of_commands(f"{kind}, {state}", some)
     return figures
 
 
@@ -92,12 +103,13 @@ def clips() -> list[SpokenClip]:
     return [clip for clip in recorded(TALK, DEV) if clip.text not in STOP]
 
 
-def _kinds(clips: Sequence[SpokenClip]) -> list[str]:
-    """Kind of each: words of `dev`, talk that nobody wrote down, or what wakes other devices."""
+def _kinds() -> dict[str, str]:
+    """By path: words of `dev`, talk that nobody wrote down, or what wakes other devices."""
     words = {clip.path for clip in recorded(DEV)}
-    return [
-        WORDS if clip.path in words else WAKE_WORDS if clip.text else SENTENCES for clip in clips
-    ]
+    return {
+        clip.path: WORDS if clip.path in words else WAKE_WORDS if clip.text else SENTENCES
+        for clip in clips()
+    }
 
 
 def length(clips: Sequence[SpokenClip]) -> float:
