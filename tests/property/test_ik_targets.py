@@ -37,7 +37,7 @@ def reachable(planner):
         steepness = -configuration.frames[forward.SHAFT, 2, 2]
         is_inside = planner.limits.violation(q) is None and 0.05 < depth < 0.25
         if is_inside and steepness > LEAST_STEEPNESS:
-            found.append(Configuration(planner.model, q))
+            found.append(configuration)
     return found
 
 

@@ -10,7 +10,6 @@ import pytest
 from bench.site.turns import Turns
 from rst_control.errors import LongWay
 from rst_control.kinematics.configuration import Configuration
-from rst_control.planning.insertion import Insertion
 from rst_control.trajectory.path import Path
 
 STARTS = 6
@@ -30,8 +29,7 @@ def test_no_joint_goes_the_long_way_from_any_turn_of_a_start_inside(turns):
             assert way.elbow <= way.elbow_allowed
 
 
-def test_no_joint_goes_the_long_way_from_any_turn_of_a_start_outside(turns, planner, home):
-    gate = Insertion(planner).withdraw(home)[-1].path.end
+def test_no_joint_goes_the_long_way_from_any_turn_of_a_start_outside(turns, gate):
     rng = np.random.default_rng(5)
     for _ in range(2):
         q = gate.copy()

@@ -36,7 +36,8 @@ def variables(text: str) -> Iterator[str]:
 def of_the_product() -> set[str]:
     """Those of all packages, and of what a workspace's set-up file sets."""
     files = [f for f in PACKAGES.glob("*/src/**/*.py") if "training" not in f.parts]
-    found = {name for file in files for name in variables(file.read_text("utf-8"))}
+    texts = [text for file in files if "env" in (text := file.read_text("utf-8"))]
+    found = {name for text in texts for name in variables(text)}
     hook = next(PACKAGES.glob("typed_config/env-hooks/*.sh.in")).read_text("utf-8")
     return (found | set(re.findall(r"export ([A-Z_]+)=", hook))) - NOT_OURS
 

@@ -16,11 +16,21 @@ PLAIN = {"PATH": "/usr/bin:/bin"}  # without what a make around the tests hands 
 SHELL = {"ROS_HOSTNAME": "a.host.that.is.none", "ROS_NAMESPACE": "left", "PYTHONPATH": "/none"}
 
 
+def make(*words, folder=ROOT, check=True, **given):
+    """A run of make with these variables in its environment."""
+    line = ["make", "--no-print-directory", *words]
+    given = {**PLAIN, **given}
+    return subprocess.run(line, cwd=folder, env=given, capture_output=True, text=True, check=check)
+
+
+def shown(recipe, *words, **given):
+    """What a recipe prints."""
+    return make("--eval", f"shown: ; {recipe}", "shown", *words, **given).stdout
+
+
 def test_a_host_name_and_a_namespace_of_the_shell_reach_no_verb():
-    given = {**os.environ, **SHELL}
-    words = ["make", "--no-print-directory", "--eval", "shown: ; @$(RUN) env", "shown"]
-    done = subprocess.run(words, cwd=ROOT, env=given, capture_output=True, text=True, check=True)
-    found = dict(line.split("=", 1) for line in done.stdout.splitlines() if "=" in line)
+    said = shown("@$(RUN) env", **{**os.environ, **SHELL})
+    found = dict(line.split("=", 1) for line in said.splitlines() if "=" in line)
     assert "ROS_HOSTNAME" not in found and "ROS_NAMESPACE" not in found
     assert found["ROS_IP"] == "127.0.0.1"
     assert "/none" not in found["PYTHONPATH"].split(":")
@@ -34,25 +44,19 @@ NAMES += ("MANIFEST", "NOISE", "ONLY", "SNR", "VOICES")
 
 def test_what_a_verb_takes_is_read_from_the_command_line_alone():
     values = " ".join(f"$({name}) $${name}" for name in NAMES)
-    words = ["make", "--no-print-directory", "--eval", f"shown: ; @echo {values}", "shown"]
 
-    def shown(*more):
-        given = {**PLAIN, **dict.fromkeys(NAMES, "en_GB:en")}
-        line = [*words, *more]
-        done = subprocess.run(line, cwd=ROOT, env=given, capture_output=True, text=True, check=True)
-        return done.stdout.split()
+    def echoed(*words):
+        return shown(f"@echo {values}", *words, **dict.fromkeys(NAMES, "en_GB:en")).split()
 
-    assert shown() == []
+    assert echoed() == []
     values_given = {name: "1" if name in SWITCHES else name.lower() for name in NAMES}
     line = [f"{name}={value}" for name, value in values_given.items()]
-    assert shown(*line) == [value for value in values_given.values() for _ in range(2)]
+    assert echoed(*line) == [value for value in values_given.values() for _ in range(2)]
 
 
 def dry(*words, **more):
     """What a verb of make would run, and what it said, with more in the environment."""
-    line = ["make", "--dry-run", "--no-print-directory", *words]
-    given = {**PLAIN, **more}
-    done = subprocess.run(line, cwd=ROOT, env=given, capture_output=True, text=True, check=False)
+    done = make("--dry-run", *words, check=False, **more)
     return done.returncode, done.stdout, done.stderr
 
 
@@ -63,12 +67,8 @@ def test_the_seconds_of_a_shell_are_not_those_of_the_fuzzing():
 
 
 def test_what_bench_takes_from_the_environment_reaches_it():
-    given = {"JOBS": "2", "REPETITIONS": "3,5"}
-    words = ["make", "--no-print-directory", "--eval", "shown: ; @env", "shown"]
-    done = subprocess.run(
-        words, cwd=ROOT, env={**PLAIN, **given}, capture_output=True, text=True, check=True
-    )
-    assert {f"{name}={value}" for name, value in given.items()} <= set(done.stdout.splitlines())
+    said = shown("@env", JOBS="2", REPETITIONS="3,5")
+    assert {"JOBS=2", "REPETITIONS=3,5"} <= set(said.splitlines())
 
 
 OPTIONS = {
@@ -92,10 +92,8 @@ def test_of_a_switch_1_alone_means_yes(name):
 
 def test_where_the_workspace_cannot_be_sourced_nothing_is_run(tmp_path):
     shutil.copy(ROOT / "Makefile", tmp_path)
-    words = ["make", "--eval", "shown: ; @$(RUN) touch shown", "shown"]
-    done = subprocess.run(
-        words, cwd=tmp_path, env=PLAIN, capture_output=True, text=True, check=False
-    )
+    words = ["--eval", "shown: ; @$(RUN) touch shown", "shown"]
+    done = make(*words, folder=tmp_path, check=False)
     assert done.returncode != 0 and "catkin_ws/devel/setup.sh" in done.stderr
     assert not (tmp_path / "shown").exists()
 
@@ -135,10 +133,7 @@ def installed_in(copy, folder, text=SHORT):
 
 def steps(copy, goal="setup"):
     """Steps of set-up that make would take, in their order."""
-    words = ["make", "--dry-run", goal]
-    done = subprocess.run(words, cwd=copy, env=PLAIN, capture_output=True, text=True, check=True)
-    begin = "docker/setup.sh "
-    lines = done.stdout.splitlines()
+    begin, lines = "docker/setup.sh ", make("--dry-run", goal, folder=copy).stdout.splitlines()
     return [line.removeprefix(begin) for line in lines if line.startswith(begin)]
 
 
@@ -192,9 +187,7 @@ def test_a_step_that_is_interrupted_is_taken_again(copy):
     built_in(copy, "/elsewhere")
     (copy / "docker/setup.sh").write_text(INTERRUPTED, encoding="utf-8")
     os.utime(copy / "docker/setup.sh", (0, 0))
-    words = ["make", "setup"]
-    done = subprocess.run(words, cwd=copy, env=PLAIN, capture_output=True, check=False)
-    assert done.returncode != 0
+    assert make("setup", folder=copy, check=False).returncode != 0
     assert steps(copy) == [WORKSPACE]
 
 

@@ -72,6 +72,14 @@ def record(folder, *, close, chunked):
     return Recording(content, list(messages()), [] if chunked else places)
 
 
+@pytest.fixture(scope="module", autouse=True)
+def no_wait_for_the_disk():
+    """No power fails here: what is written need not be on the disk."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("os.fdatasync", lambda _: None)
+        yield
+
+
 @pytest.fixture(scope="module")
 def recordings(tmp_path_factory):
     return {

@@ -26,6 +26,19 @@ def on_file(folder, *figures, part=PART, **more):
     return page.load(part, folder)
 
 
+@pytest.fixture
+def noted(tmp_path, monkeypatch):
+    """Notes what versions of the code decide, or move; None: nothing was ever noted."""
+
+    def note(place, content):
+        file = tmp_path / "noted.json"
+        if content is not None:
+            file.write_text(json.dumps(content))
+        monkeypatch.setattr(support_figures, place, file)
+
+    return note
+
+
 def rows(text, name):
     """Cells of the rows of a figure, by their heads."""
     found, head = [], []
@@ -99,18 +112,15 @@ def test_code_that_changed_after_it_was_measured_marks_the_result(tmp_path):
     ],
 )
 def test_changed_code_that_decides_the_same_on_fixed_clips_is_marked_so(
-    tmp_path, monkeypatch, decided, now, age
+    tmp_path, noted, decided, now, age
 ):
-    noted = tmp_path / "decisions.json"
-    if now is not None:
-        noted.write_text(json.dumps(now))
-    monkeypatch.setattr(support_figures, "DECISIONS", noted)
+    noted("DECISIONS", now)
     assert PART.decides == "rest"
     assert on_file(tmp_path, SHARE, code="other", decisions=decided).age == age
 
 
 @pytest.mark.parametrize(
-    ("noted", "age"),
+    ("known", "age"),
     [
         ({"other": "a", "now": "a"}, page.ALIKE),
         ({"other": "a", "now": "b"}, False),
@@ -121,32 +131,26 @@ def test_changed_code_that_decides_the_same_on_fixed_clips_is_marked_so(
     ],
 )
 def test_changed_code_that_moves_the_same_in_fixed_sessions_is_marked_so(
-    tmp_path, monkeypatch, noted, age
+    tmp_path, noted, known, age
 ):
-    file = tmp_path / "fixed_sessions.json"
-    if noted is not None:
-        known = {identity(MOVED.rooms) if code == "now" else code: m for code, m in noted.items()}
-        file.write_text(json.dumps(known))
-    monkeypatch.setattr(support_figures, "FIXED_SESSIONS", file)
+    if known is not None:
+        known = {identity(MOVED.rooms) if code == "now" else code: m for code, m in known.items()}
+    noted("FIXED_SESSIONS", known)
     assert on_file(tmp_path, SHARE, part=MOVED, code="other").age == age
     if age:
         assert page.AGES[age] in page.text(tmp_path)
 
 
 def test_what_the_fixed_sessions_never_do_is_of_other_code_though_they_are_the_same(
-    tmp_path, monkeypatch
+    tmp_path, noted
 ):
     part = measurable()["site.stops"]
-    file = tmp_path / "fixed_sessions.json"
-    file.write_text(json.dumps({"other": "a", identity(part.rooms): "a"}))
-    monkeypatch.setattr(support_figures, "FIXED_SESSIONS", file)
+    noted("FIXED_SESSIONS", {"other": "a", identity(part.rooms): "a"})
     assert on_file(tmp_path, SHARE, part=part, code="other").age is False
 
 
-def test_times_are_of_older_code_though_it_decides_the_same(tmp_path, monkeypatch):
-    noted = tmp_path / "decisions.json"
-    noted.write_text(json.dumps({"code": identity(PART.rooms), "rest": "a"}))
-    monkeypatch.setattr(support_figures, "DECISIONS", noted)
+def test_times_are_of_older_code_though_it_decides_the_same(tmp_path, noted):
+    noted("DECISIONS", {"code": identity(PART.rooms), "rest": "a"})
     times = [Figure("late", 3.0, unit, 5.0) for unit in ("ms", "s", "% of a core")]
     result = on_file(tmp_path, SHARE, *times, code="other", decisions="a")
     assert [result.age_of(f) for f in result.figures] == [page.SAME, False, False, False]
@@ -159,16 +163,13 @@ def test_times_are_of_older_code_though_it_decides_the_same(tmp_path, monkeypatc
     ("beside", "age"), [("the present", page.SAME), ("other", False), ("", False)]
 )
 def test_what_rests_on_more_than_hearing_is_the_same_only_where_that_is(
-    tmp_path, monkeypatch, beside, age
+    tmp_path, noted, beside, age
 ):
-    noted = tmp_path / "decisions.json"
-    noted.write_text(json.dumps({"code": identity(HEARING), "motion": "a"}))
-    monkeypatch.setattr(support_figures, "DECISIONS", noted)
+    noted("DECISIONS", {"code": identity(HEARING), "motion": "a"})
     part = measurable()["safety.spoken"]
     other = beside_hearing(part.rooms) if beside == "the present" else beside
     facts = {"code": "other", "decisions": "a", "beside_hearing": other}
-    write(tmp_path / f"{part.file}.json", [SHARE], MACHINE, **facts)
-    assert page.load(part, tmp_path).age == age
+    assert on_file(tmp_path, SHARE, part=part, **facts).age == age
 
 
 @pytest.mark.parametrize(

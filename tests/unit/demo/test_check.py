@@ -15,8 +15,19 @@ from demo.script import Script, ScriptSpeech, ScriptStep, load_script
 from demo.sound import render
 from typed_config import ConfigError
 
-ROOT = Path(__file__).resolve().parents[3]
+SHIPPED = Path(__file__).resolve().parents[3] / "demo" / "session.yaml"
 SPEECH = ScriptSpeech(surgeon="en", people="en", words_per_minute=150, snr_db=15.0, seed=1)
+
+REST = {
+    "state": "active",
+    "active": True,
+    "halted": False,
+    "tissue_held": True,
+    "tension": 0.5,
+    "path_speed": 0.0,
+    "rcm_error": 0.0,
+    "insertion": 0.05,
+}
 
 
 def session(say, effect, heard, before, after, moving=(), speaker="surgeon"):
@@ -27,22 +38,12 @@ def session(say, effect, heard, before, after, moving=(), speaker="surgeon"):
         steps=(ScriptStep(at=1.0, speaker=speaker, say=say, effect=effect),),
     )
     observed = Observed()
-    base = {
-        "state": "active",
-        "active": True,
-        "halted": False,
-        "tissue_held": True,
-        "tension": 0.5,
-        "path_speed": 0.0,
-        "rcm_error": 0.0,
-        "insertion": 0.05,
-    }
-    observed.states.append(ControllerSample(time=0.9, **{**base, **before}))
+    observed.states.append(ControllerSample(time=0.9, **{**REST, **before}))
     for i, speed in enumerate(moving):
         observed.states.append(
-            ControllerSample(time=1.5 + 0.1 * i, **{**base, "path_speed": speed, "rcm_error": 2e-6})
+            ControllerSample(time=1.5 + 0.1 * i, **{**REST, "path_speed": speed, "rcm_error": 2e-6})
         )
-    observed.states.append(ControllerSample(time=4.9, **{**base, **after}))
+    observed.states.append(ControllerSample(time=4.9, **{**REST, **after}))
     if heard is not None:
         observed.heard.append(HeardUtterance(1.1, heard, heard))
     return script, observed
@@ -80,13 +81,8 @@ def test_a_step_happened_only_when_its_effect_was_seen(
 def test_a_motion_that_is_stopped_next_may_begin_while_that_is_said(heard_at, happened):
     said = ((1.0, "pull more", "moving"), (3.0, "stop", "stopped"), (4.0, "hey robot", "cleared"))
     steps = tuple(ScriptStep(at=t, speaker="surgeon", say=w, effect=e) for t, w, e in said)
-    rest = {"active": True, "tissue_held": True, "tension": 0.5}
-    rest |= {"rcm_error": 0.0, "insertion": 0.05}
     samples = ((0.9, 0.0), (heard_at + 0.1, 0.01), (4.9, 0.0))
-    states = [
-        ControllerSample(time=t, state="active", halted=False, path_speed=v, **rest)
-        for t, v in samples
-    ]
+    states = [ControllerSample(time=t, **{**REST, "path_speed": v}) for t, v in samples]
     observed = Observed(states, [HeardUtterance(heard_at, "pull more", "pull more")])
     script = Script(speech=SPEECH, duration=5.0, steps=steps)
     assert verdicts(script, observed)[0].happened is happened
@@ -117,7 +113,7 @@ def test_rcm_error_counts_only_in_the_patient():
 
 
 def test_the_shipped_script_names_all_seven_commands_and_talk():
-    script = load_script(Path(__file__).parents[3] / "demo" / "session.yaml")
+    script = load_script(SHIPPED)
     said = [step.say for step in script.steps]
     commands = {"hey robot", "tense", "pull more", "pull less", "stop", "release", "terminate"}
     assert commands <= set(said)
@@ -126,9 +122,8 @@ def test_the_shipped_script_names_all_seven_commands_and_talk():
 
 
 def test_steps_out_of_order_are_refused(tmp_path):
-    shipped = Path(__file__).parents[3] / "demo" / "session.yaml"
     file = tmp_path / "session.yaml"
-    file.write_text(shipped.read_text().replace("at: 2.0,", "at: 60.5,"))
+    file.write_text(SHIPPED.read_text().replace("at: 2.0,", "at: 60.5,"))
     with pytest.raises(ConfigError, match="rising order"):
         load_script(file)
 
@@ -172,7 +167,7 @@ def test_a_pedal_and_a_hand_make_no_sound():
 
 
 def test_the_shipped_demo_has_every_way_and_four_pictures_of_the_page():
-    script = load_script(ROOT / "demo" / "session.yaml")
+    script = load_script(SHIPPED)
     assert {step.speaker for step in script.steps} == {"surgeon", "people", "pedal", "hand"}
     moments = [step.moment for step in script.steps if step.moment]
     assert moments == ["tense", "light", "pedal", "stopped"]

@@ -83,6 +83,13 @@ class Wire:
             assert self.buffer.getbuffer().nbytes < 4 * LONGEST_MESSAGE
         return messages
 
+    def all(self):
+        """What all messages say, up to the end."""
+        said = []
+        while messages := self.next():
+            said += [message.data for message in messages]
+        return said
+
 
 def service():
     return TCPService("command", WordsCommand)
@@ -127,18 +134,11 @@ def test_a_service_that_can_make_nothing_of_a_long_request_hangs_up():
 
 def test_a_topic_passes_over_what_is_too_long_or_no_message():
     sent = framed(bytes(MEGA)) + framed(b"\x07") + words("good") + framed(b"\xff") + words("too")
-    wire = Wire(topic(), sent)
-    heard = []
-    while messages := wire.next():
-        heard += [message.data for message in messages]
-    assert heard == ["good", "too"]
+    assert Wire(topic(), sent).all() == ["good", "too"]
 
 
 def test_of_what_piles_up_on_a_topic_the_newest_counts():
-    wire = Wire(topic(queue_size=1), b"".join(words(str(n)) for n in range(1000)))
-    heard = []
-    while messages := wire.next():
-        heard += [message.data for message in messages]
+    heard = Wire(topic(queue_size=1), b"".join(words(str(n)) for n in range(1000))).all()
     assert heard[-1] == "999" and len(heard) < 1000
 
 
@@ -229,8 +229,10 @@ def test_a_caller_without_a_name_is_an_unnamed_node(served):
 class Actions(GuardedServer):
     """An action server without topics."""
 
-    def __init__(self, limiter):
-        self._limiter, self.lock, self.started = limiter, threading.RLock(), True
+    def __init__(self, allowed=("/panel",)):
+        config = CallersConfig(allowed=allowed, rate=1.0, burst=3)
+        self._limiter = CallLimiter(config, lambda: 0.0)
+        self.lock, self.started = threading.RLock(), True
         self.status_list, self.last_cancel = [], genpy.Time()
         self.taken, self.refused = [], []
         self.ActionResultType = AssistResult
@@ -256,13 +258,8 @@ def goal(command, name, caller="/panel"):
     return message
 
 
-def actions(allowed=("/panel",)):
-    config = CallersConfig(allowed=allowed, rate=1.0, burst=3)
-    return Actions(CallLimiter(config, lambda: 0.0))
-
-
 def test_goals_of_a_flood_are_rejected_and_a_stop_among_them_is_not():
-    server = actions()
+    server = Actions()
     for number in range(10):
         server.internal_goal_callback(goal("tense", f"g{number}"))
     server.internal_goal_callback(goal("stop", "last"))
@@ -272,13 +269,13 @@ def test_goals_of_a_flood_are_rejected_and_a_stop_among_them_is_not():
 
 @pytest.mark.parametrize(("name", "caller"), [("g", "/stray"), ("false", "/panel")])
 def test_a_goal_of_who_is_not_on_the_list_or_under_the_name_of_another_is_rejected(name, caller):
-    server = actions()
+    server = Actions()
     server.internal_goal_callback(goal("tense", name, caller))
     assert server.taken == [] and len(server.refused) == 1
 
 
 def test_goals_of_who_does_not_hear_of_their_end_are_rejected_as_those_of_a_bag_are():
-    server = actions(allowed=())
+    server = Actions(allowed=())
     server.internal_goal_callback(goal("tense", "g", "/play_1700000000"))
     server.internal_goal_callback(goal("hey robot", "h", "/play_1700000000"))
     assert server.taken == [] and len(server.refused) == 2
@@ -287,7 +284,7 @@ def test_goals_of_who_does_not_hear_of_their_end_are_rejected_as_those_of_a_bag_
 
 
 def test_cancels_of_what_never_was_are_not_remembered_without_end():
-    server = actions()
+    server = Actions()
     for number in range(1000):
         server.internal_cancel_callback(GoalID(id=f"none{number}"))
     assert len(server.status_list) <= action_server.MAX_GOALS
@@ -296,7 +293,7 @@ def test_cancels_of_what_never_was_are_not_remembered_without_end():
 
 
 def test_an_endless_goal_id_is_refused_and_not_repeated():
-    server = actions()
+    server = Actions()
     server.internal_goal_callback(goal("tense", "x" * 60_000))
     ((name, status, _),) = server.refused
     assert len(name) == action_server.LONGEST_ID and status == GoalStatus.REJECTED
@@ -304,7 +301,7 @@ def test_an_endless_goal_id_is_refused_and_not_repeated():
 
 @pytest.mark.parametrize("stamp", [genpy.Time(0xFFFFFFFF), genpy.Time(0xFFFFFFFF, 0xFFFFFFFF)])
 def test_a_cancel_from_the_future_does_not_cancel_all_goals_to_come(stamp):
-    server = actions()
+    server = Actions()
     server.internal_cancel_callback(GoalID(stamp=stamp))
     assert server.last_cancel <= rospy.Time.now()
     later = goal("tense", "g")
@@ -316,7 +313,7 @@ def test_a_cancel_from_the_future_does_not_cancel_all_goals_to_come(stamp):
 
 
 def test_a_cancel_that_names_no_goal_stops_whatever_is_under_way():
-    server = Actions(CallLimiter(CallersConfig(allowed=(), rate=1.0, burst=5), lambda: 0.0))
+    server = Actions(allowed=())
     for _ in range(3):
         server.internal_cancel_callback(GoalID())
     assert len(server.all_cancelled) == 3

@@ -65,14 +65,12 @@ def test_code_that_swallows_the_exit_and_goes_on_gets_it_again(clock, number):
 
 
 @pytest.mark.parametrize("advice", ["", "alarms.launch"])
-def test_a_wrong_setting_is_named_once_and_ends_the_node(clock, monkeypatch, advice):
-    said = []
-    monkeypatch.setattr(rospy, "logfatal", lambda words, *facts: said.append(words % facts))
+def test_a_wrong_setting_is_named_once_and_ends_the_node(clock, logged, advice):
     with pytest.raises(SystemExit) as ended, starting("alarms", launch=advice):
         raise ConfigError("sound.volume", 5.0, "0 to 1")
     assert ended.value.code == WRONG == respawn.WRONG
     words = "alarms cannot start: sound.volume is 5.0, allowed: 0 to 1"
-    assert said == [words + "; launch/alarms.launch starts it" * bool(advice)]
+    assert logged == [words + "; launch/alarms.launch starts it" * bool(advice)]
 
 
 def test_another_error_is_a_crash(clock):

@@ -6,11 +6,15 @@ import pytest
 from session_log.cli import CONFIG
 from session_log.config import RecorderConfig, ReportConfig
 from session_log.mcap_file.reader import SessionReader
-from session_log.report import many_sessions, one_session
-from session_log.report.figures import SESSION_FIGURES
 from session_log.report.session.extract import extract
 from support.story import write_session
 from typed_config import load_config, load_yaml
+
+
+@pytest.fixture(autouse=True)
+def no_wait_for_the_disk(monkeypatch):
+    """No power fails here: what is written need not be on the disk."""
+    monkeypatch.setattr("os.fdatasync", lambda _: None)
 
 
 @pytest.fixture(scope="session")
@@ -22,16 +26,17 @@ def report_config():
 @pytest.fixture
 def without_figures(monkeypatch):
     """Reports have no figures, which take most of their time."""
-    for module in (one_session, many_sessions):
-        monkeypatch.setattr(module, "POOL_FIGURES", ())
-    monkeypatch.setattr(one_session, "SESSION_FIGURES", ())
+    for name in ("one_session.POOL", "many_sessions.POOL", "one_session.SESSION"):
+        monkeypatch.setattr(f"session_log.report.{name}_FIGURES", ())
 
 
 @pytest.fixture
 def with_timeline(without_figures, monkeypatch):
     """Reports have that one figure."""
+    from session_log.report.figures import SESSION_FIGURES  # not by the many who draw nothing
+
     timeline = tuple(figure for figure in SESSION_FIGURES if figure.name == "timeline")
-    monkeypatch.setattr(one_session, "SESSION_FIGURES", timeline)
+    monkeypatch.setattr("session_log.report.one_session.SESSION_FIGURES", timeline)
 
 
 @pytest.fixture

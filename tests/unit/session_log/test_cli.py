@@ -14,6 +14,7 @@ from session_log.recording.recorder import MANY_PUBLISHERS
 from session_log.types import Message, MessageSource
 from support.story import Story, recording_of
 from tests.unit.session_log.support.foreign import write_foreign
+from tests.unit.session_log.support.voice_recording import say_sound
 from typed_config import package_version
 
 
@@ -155,8 +156,7 @@ def test_export_says_how_much_of_the_lost_sound_has_no_silence(tmp_path, capsys,
     monkeypatch.setattr(sound_stream, "MOST_SILENCE", 9)
     story = Story()
     for first in (0, 10**9):
-        fields = {"rate": 16_000, "first_sample": first, "samples": [1]}
-        story.say(1.0, "/voice_assist/audio", "voice_assist/AudioChunk", **fields)
+        say_sound(story, 1.0, first, count=1)
     recording_of(tmp_path / "s.mcap", story.messages)
     _, out, _ = run(capsys, "export", tmp_path / "s.mcap", "--out", tmp_path)
     assert "2 samples, 999999999 lost, 999999990 of them without silence in their place" in out
@@ -286,7 +286,7 @@ def test_report_over_a_folder_fails_where_a_page_cannot_be_written(story, tmp_pa
         (["bag.mcap"], "bag.mcap is not an MCAP recording: it begins with b'#ROSBAG '"),
         (["bag.mcap", "empty"], "2 inputs and no place for the report over them: give --out DIR"),
         (["bag.mcap", "none", "--out", "o"], "none: no such file or folder"),
-        (["bags"], "none of 1 recordings can be read: "),
+        (["bags"], "none of 1 recordings can be read: bags/bag.mcap is not an MCAP recording"),
     ],
 )
 def test_report_says_what_is_wrong_in_one_line(tmp_path, capsys, monkeypatch, words, wrong):

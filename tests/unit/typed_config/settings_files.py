@@ -13,6 +13,7 @@ from functools import cache
 from pathlib import Path
 from types import NoneType, UnionType
 
+import pytest
 import yaml
 
 from demo.script import Script
@@ -25,7 +26,6 @@ from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.stand_in import StandInConfig
 from session_log.config import FoxgloveConfig, RecorderConfig, ReportConfig
 from session_log.replay.config import ReplayConfig
-from typed_config import load_config
 from typed_config.fields import RULE, Rule
 from voice_assist.config import CommandsConfig, VoiceConfig
 from voice_assist.config.alarms import AlarmsConfig
@@ -136,6 +136,10 @@ def kinds() -> dict[Path, type]:
     return found
 
 
+FILES = sorted(kinds())
+files = pytest.mark.parametrize("path", FILES, ids=[path.name for path in FILES])
+
+
 @cache
 def _parsed(path: Path) -> dict:
     return yaml.load(path.read_text(encoding="utf-8"), Loader=yaml.CSafeLoader)
@@ -217,11 +221,6 @@ def added(data, path: Path_, key: str, value):
         yield data
     finally:
         del holder[key]
-
-
-def start(kind: type, data, where: str):
-    """What every program calls at its start, with the parameters or the content of its file."""
-    return load_config(kind, data, where)
 
 
 def mappings(kind: type, data: Mapping, path: Path_ = ()) -> Iterator[tuple[Path_, type]]:

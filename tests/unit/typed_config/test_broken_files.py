@@ -6,12 +6,11 @@ import re
 import pytest
 import yaml
 
-from tests.unit.typed_config.settings_files import kinds, shown, start
-from typed_config import ConfigError, load_yaml
+from tests.unit.typed_config.settings_files import files, kinds, shown
+from typed_config import ConfigError, load_config, load_yaml
 
-FILES = sorted(kinds())
-files = pytest.mark.parametrize("path", FILES, ids=[path.name for path in FILES])
 ENTRY = re.compile(r"^  - \{")
+SECTION = re.compile(r"^(?=\w)", re.MULTILINE)
 # One reader reads all files: what it refuses before it reads keys is tried on these.
 SHAPES = ("audio.yaml", "controller.yaml", "gen3_openrst.yaml", "session.yaml")
 ON_EACH = {
@@ -34,7 +33,7 @@ def load(folder, path, data):
     """What a program does with such a file at its start."""
     file = folder / path.name
     file.write_bytes(data if isinstance(data, bytes) else data.encode())
-    return start(kinds()[path], load_yaml(file), file.name)
+    return load_config(kinds()[path], load_yaml(file), file.name)
 
 
 def bomb(depth=12):
@@ -121,15 +120,17 @@ def keys(node, path=()):
 @files
 def test_a_key_given_twice_is_refused_wherever_it_stands(path, tmp_path):
     """YAML itself takes the last one without a word."""
-    text, failures, seen = short(path), [], set()
-    for place, index, column, has_braces in keys(yaml.compose(text, yaml.SafeLoader)):
+    failures, seen = [], set()
+    parts = SECTION.split(short(path))  # each is a file by itself, and sooner read than the whole
+    found = [(p, key) for p in parts for key in keys(yaml.compose(p, yaml.SafeLoader))]
+    for part, (place, index, column, has_braces) in found:
         schema = tuple(step for step in place if isinstance(step, str))
         if schema in seen:
             continue
         seen.add(schema)
         again = f"{place[-1]}: 0" + (", " if has_braces else "\n" + " " * column)
         try:
-            load(tmp_path, path, text[:index] + again + text[index:])
+            load(tmp_path, path, part[:index] + again + part[index:])
         except ConfigError as error:
             words = f"{path.name}: {shown(place)} is"
             if words not in str(error) or "each key once" not in str(error):

@@ -87,14 +87,16 @@ def test_an_error_that_nobody_foresaw_keeps_its_traceback():
         run_command(raising(ArithmeticError()), "name", (ConfigError,), failed=7)
 
 
+PATHS = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+
+
 def program_of(act):
-    """A command line that does `act`, and what it needs of the environment."""
+    """A command line that does `act`."""
     program = (
         "import sys; from typed_config import run_command; "
         f"sys.exit(run_command(lambda: {act}, 'name', (), failed=7))"
     )
-    paths = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
-    return (sys.executable, "-c", program), paths
+    return sys.executable, "-c", program
 
 
 @pytest.mark.parametrize("act", ["print('x' * 100_000)", "sys.exit(print('x' * 100))"])
@@ -103,9 +105,9 @@ def program_of(act):
     [("/dev/full", "name: the output: No space left on device\n"), (None, "")],
 )
 def test_output_that_cannot_be_written_is_said_and_that_nobody_reads_is_not(output, words, act):
-    program, paths = program_of(act)
+    program = program_of(act)
     sink = os.open(output, os.O_WRONLY) if output else subprocess.PIPE
-    command = subprocess.Popen(program, stdout=sink, stderr=subprocess.PIPE, text=True, env=paths)
+    command = subprocess.Popen(program, stdout=sink, stderr=subprocess.PIPE, text=True, env=PATHS)
     if command.stdout is None:
         os.close(sink)
     else:
@@ -117,26 +119,23 @@ def test_output_that_cannot_be_written_is_said_and_that_nobody_reads_is_not(outp
 
 @pytest.mark.parametrize("act", ["print('x')", "sys.exit(print('x'))"])
 def test_a_closed_output_is_a_quiet_end(act):
-    program, paths = program_of(act)
-    closed = ("bash", "-c", 'exec "$@" >&-', "bash", *program)
-    done = subprocess.run(closed, stderr=subprocess.PIPE, env=paths)
+    closed = ("bash", "-c", 'exec "$@" >&-', "bash", *program_of(act))
+    done = subprocess.run(closed, stderr=subprocess.PIPE, env=PATHS)
     assert (done.returncode, done.stderr) == (0, b"")
 
 
 def test_a_letter_that_the_output_lacks_is_written_by_its_number():
-    program, paths = program_of("print('\u505c')")
-    ascii_only = {**paths, "PYTHONIOENCODING": "ascii"}
-    assert subprocess.check_output(program, env=ascii_only) == b"\\u505c\n"
+    ascii_only = {**PATHS, "PYTHONIOENCODING": "ascii"}
+    assert subprocess.check_output(program_of("print('\u505c')"), env=ascii_only) == b"\\u505c\n"
 
 
 @pytest.mark.parametrize(
     ("module", "status"), [("voice_assist.cli.main", 2), ("session_log.cli", 1)]
 )
 def test_a_version_that_cannot_be_written_is_said(module, status):
-    paths = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     words = (sys.executable, "-m", module, "--version")
     with open("/dev/full", "w") as full:  # noqa: PTH123 - a device
-        done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, env=paths)
+        done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True, env=PATHS)
     assert done.returncode == status and done.stderr.count("\n") == 1
     assert done.stderr.endswith(": the output: No space left on device\n")
 

@@ -8,6 +8,7 @@ tested without another line here. Each test gathers all failures before it repor
 import pytest
 
 from tests.unit.typed_config.settings_files import (
+    FILES,
     GONE,
     NODES,
     OVERLAYS,
@@ -17,12 +18,12 @@ from tests.unit.typed_config.settings_files import (
     at,
     changed,
     content,
+    files,
     kinds,
     leaves,
     mappings,
     node_parameters,
     shown,
-    start,
 )
 from tests.unit.typed_config.wrong_values import (
     NO_OTHER_UNIT,
@@ -31,10 +32,6 @@ from tests.unit.typed_config.wrong_values import (
     wrong_values,
 )
 from typed_config import ConfigError, load_config, overlaid
-
-FILES = sorted(kinds())
-NAMES = [path.name for path in FILES]
-files = pytest.mark.parametrize("path", FILES, ids=NAMES)
 
 # In another unit these stay within what is sensible, so that no range finds them.
 UNDETECTED = {
@@ -46,7 +43,7 @@ UNDETECTED = {
 def refusal(kind, data, where):
     """The error of a start; None where it is accepted. Any other error fails the test."""
     try:
-        start(kind, data, where)
+        load_config(kind, data, where)
     except ConfigError as error:
         return error
     return None
@@ -99,7 +96,7 @@ def test_no_value_in_the_file_escapes_the_generator(path):
 
 @files
 def test_the_shipped_file_is_accepted(path):
-    start(kinds()[path], content(path), path.name)
+    load_config(kinds()[path], content(path), path.name)
 
 
 @files

@@ -77,7 +77,7 @@ def test_a_message_of_no_connection_is_not_heard(link):
     assert not link.heard
 
 
-def test_who_claims_the_name_from_elsewhere_is_not_heard_and_is_named(known, link, master):
+def test_who_claims_the_name_from_elsewhere_is_not_heard_and_is_named(known, link):
     liar, true = link.connect("/robot", port=7), link.connect("/robot", port=1)
     for header in (liar, true, liar):
         link.hear(header, value=header is true)

@@ -89,14 +89,6 @@ def test_a_wrong_value_is_refused_with_its_key_and_what_was_allowed(changes, key
     assert key in str(error.value) and allowed in str(error.value)
 
 
-@pytest.mark.parametrize("key", sorted(settings()))
-def test_every_key_is_needed(key):
-    data = settings()
-    del data[key]
-    with pytest.raises(ConfigError, match=key):
-        load_config(Outer, data)
-
-
 def test_a_missing_file_is_refused_by_name(tmp_path):
     with pytest.raises(ConfigError, match=r"none\.yaml"):
         load_yaml(tmp_path / "none.yaml")

@@ -3,8 +3,8 @@
 
 import pytest
 
-from tests.unit.typed_config.settings_files import at, changed, content, kinds, start
-from typed_config import ConfigError
+from tests.unit.typed_config.settings_files import at, changed, content, kinds
+from typed_config import ConfigError, load_config
 
 KINDS = {path.name: (path, kind) for path, kind in kinds().items()}
 PHRASES = ("hey robot", "tense", "release", "pull more", "pull less", "stop", "terminate")
@@ -19,7 +19,7 @@ def refused(file, place, value):
     data = content(path)
     with changed(data, place, value(at(data, place)) if callable(value) else value):
         try:
-            start(kind, data, file)
+            load_config(kind, data, file)
         except ConfigError as error:
             return str(error)
     return ""
@@ -166,7 +166,7 @@ def test_a_margin_that_leaves_a_joint_no_room_is_refused():
     path, kind = KINDS["limits.yaml"]
     data = content(path) | {"arm_lower": [0.0] * 7, "arm_upper": [0.0] * 7}
     with pytest.raises(ConfigError, match=r"position_margin is 0\.02, allowed: .*joint_1"):
-        start(kind, data, path.name)
+        load_config(kind, data, path.name)
 
 
 def test_a_body_has_one_shape_and_a_link_one_inertia():
@@ -174,8 +174,8 @@ def test_a_body_has_one_shape_and_a_link_one_inertia():
     data = content(path)
     data["links"][9]["body"]["box"] = [0.1, 0.1, 0.1]
     with pytest.raises(ConfigError, match=r"links\[9\]\.body\.shape is .*one of box, cylinder"):
-        start(kind, data, path.name)
+        load_config(kind, data, path.name)
     data = content(path)
     data["links"][9]["inertia"] = [0.1, 0, 0, 0.1, 0, 0.1]
     with pytest.raises(ConfigError, match=r"links\[9\]\.inertia is .*one of inertia, body"):
-        start(kind, data, path.name)
+        load_config(kind, data, path.name)

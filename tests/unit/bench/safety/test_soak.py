@@ -3,7 +3,6 @@
 
 import json
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
@@ -203,10 +202,15 @@ def test_the_summary_counts_every_violation_and_the_growth_of_later_pieces(monke
 
 
 def test_the_key_is_made_of_code_and_settings_of_both_packages(monkeypatch):
-    monkeypatch.setattr(suite, "code", cache(suite.code))
-    before = suite.identity()
-    assert all(len(suite._settings(name)) > 5 for name in suite.PACKAGES)
-    assert all(len(list(suite._source(name).rglob("*.py"))) > 50 for name in suite.PACKAGES)
+    code = {suite._source(name): name for name in suite.PACKAGES}
     settings = {name: suite._settings(name) for name in suite.PACKAGES}
-    monkeypatch.setattr(suite, "_settings", lambda name: [*settings[name][:-1], b"other"])
-    assert suite.identity() != before
+    assert all(len(list(folder.rglob("*.py"))) > 50 for folder in code)
+    assert all(len(files) > 5 for files in settings.values())
+    monkeypatch.setattr(suite, "code", code.get)
+    monkeypatch.setattr(suite, "_settings", settings.get)
+    keys = [suite.identity()]
+    for made_of in (code, settings):
+        for part in made_of:
+            monkeypatch.setitem(made_of, part, "other")
+            keys.append(suite.identity())
+    assert len(set(keys)) == 5

@@ -8,20 +8,15 @@ import pytest
 
 from bench.safety.stops import suite
 from bench.safety.stops.judge import JudgedStop, SetpointCourse, figures, latency, objection, rest
+from tests.unit.bench.safety.test_network import PERIOD
+from tests.unit.bench.safety.test_network import course as braking
 
-PERIOD = 0.002
-CRUISE = 0.1  # [rad/s]
 
-
-def course(brake_at=0.1, brake_time=0.04, end=1.0, drift=0.0):
-    """One joint that cruises, slows down evenly from a time on, and rests; drift after it."""
-    stamps = np.arange(0.0, end, PERIOD)
-    speed = CRUISE * np.clip(1.0 - (stamps - brake_at) / brake_time, 0.0, 1.0)
-    velocities = np.zeros((len(stamps), 10))
-    velocities[:, 3] = np.where(speed > 1e-9, speed, 0.0)
-    positions = np.cumsum(velocities, axis=0) * PERIOD
-    positions[:, 5] += np.where(stamps > 0.6, drift * (stamps - 0.6), 0.0)
-    return SetpointCourse(stamps, positions, velocities)
+def course(drift=0.0, **changes):
+    """One joint that cruises, slows down from 0.1 s on, and rests; another may drift after it."""
+    made = braking(**{"brakes": 0.1, "brake_time": 0.04, "end": 1.0, **changes})
+    made.positions[:, 5] += drift * np.maximum(made.stamps - 0.6, 0.0)
+    return made
 
 
 def stop(**changes):
@@ -39,32 +34,32 @@ def stop(**changes):
 
 @pytest.mark.parametrize("before", [0.0001, 0.001, 0.0019])
 def test_latency_is_the_time_to_the_first_slower_set_point(before):
-    asked = course(brake_at=0.1)  # the set-point of 0.1 s still cruises, that of 0.102 s is slower
+    asked = course()  # the set-point of 0.1 s still cruises, that of 0.102 s is slower
     assert latency(asked, 0.102 - before) == pytest.approx(before)
     assert objection(asked, 0.102 - before, 0.15) == ""
 
 
 def test_braking_that_begins_late_counts_in_full():
-    assert latency(course(brake_at=0.1), 0.0905) == pytest.approx(0.0115)
+    assert latency(course(), 0.0905) == pytest.approx(0.0115)
 
 
 def test_a_set_point_due_at_the_moment_of_the_stop_is_not_its_answer():
-    asked = course(brake_at=0.1)
+    asked = course()
     assert latency(asked, asked.stamps[51]) == pytest.approx(PERIOD)
 
 
 def test_at_rest_there_is_no_latency_and_nothing_to_object_to():
-    asked = course(brake_at=0.1)
+    asked = course()
     assert latency(asked, 0.3) is None and rest(asked, 0.3) is None
     assert objection(asked, 0.3, 0.15) == ""
 
 
 def test_the_time_to_rest_is_that_of_the_first_set_point_that_stands():
-    assert rest(course(brake_at=0.1, brake_time=0.04), 0.1) == pytest.approx(0.04, abs=PERIOD)
+    assert rest(course(brake_time=0.04), 0.1) == pytest.approx(0.04, abs=PERIOD)
 
 
 def test_a_stop_that_nothing_answers_is_missed():
-    asked = course(brake_at=5.0)
+    asked = course(brakes=5.0)
     assert latency(asked, 0.3) == float("inf")
     assert objection(asked, 0.3, 0.15) == "no set-point slowed down"
 
@@ -123,7 +118,7 @@ def test_chunks_that_are_kept_are_not_made_again(tmp_path, monkeypatch):
     assert len(suite.gather(tmp_path, 4)[0]) == 4
 
 
-def test_other_code_of_the_bench_begins_anew(tmp_path, monkeypatch):
+def test_other_code_of_the_bench_begins_anew(monkeypatch):
     before = suite.key()
     monkeypatch.setattr(suite, "OWN", suite.OWN[:-1])
     assert before == before.lower() and suite.key() != before

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Counting of trials: verdicts, groups, bounds, latencies, homophones, what fired."""
 
+from types import SimpleNamespace
+
 import pytest
 from scipy.stats import binom, poisson
 
@@ -251,6 +253,7 @@ def test_phrases_taken_are_listed_motions_first_with_voice_and_confidence():
 def test_the_whole_of_near_misses_does_not_shrink_with_a_thinner_run(monkeypatch):
     monkeypatch.setattr(near_misses, "spoken", list)
     monkeypatch.setattr(near_misses, "spread", lambda *_: [])
+    monkeypatch.setattr(near_misses, "natives", lambda: SimpleNamespace(present=()))
     monkeypatch.setattr(near_misses, "measured", lambda: {"phrases": [], "named": []})
     monkeypatch.setattr(near_misses.resumable, "write_details", lambda *_: None)
     wholes = []

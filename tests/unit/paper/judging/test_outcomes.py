@@ -66,7 +66,7 @@ def test_sound_that_was_torn_apart_is_marked():
 
 
 def test_the_phrases_of_a_recording_get_the_commands_of_their_own_time(tmp_path, monkeypatch):
-    write_session(tmp_path / "session.mcap", rate=50)
+    write_session(tmp_path / "session.mcap", rate=1)
     zero = START * 1e-9
     for index, (begin, length, words, command, _) in enumerate(SPEECH):
         name = f"{index}.wav"

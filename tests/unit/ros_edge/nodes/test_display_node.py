@@ -13,7 +13,7 @@ from xml.parsers.expat import ExpatError
 import pytest
 import rospy
 
-from rst_control.srv import CommandResponse
+from tests.unit.ros_edge.test_caller import Service
 from tests.unit.voice_assist.display.support.theatre import STOPPED, Clock
 from typed_config import load_file, load_yaml
 from typed_config.ros import xmlrpc
@@ -184,17 +184,17 @@ def test_only_the_start_of_the_server_says_that_the_page_cannot_be_served(monkey
 @pytest.mark.parametrize(
     ("error", "ends"), [(NotServedError("no address"), SystemExit), (OSError("later"), OSError)]
 )
-def test_only_an_address_that_cannot_be_had_ends_the_node_for_good(monkeypatch, error, ends):
+def test_only_an_address_that_cannot_be_had_ends_the_node_for_good(
+    monkeypatch, logged, error, ends
+):
     async def serve(config):
         raise error
 
-    logged = []
     monkeypatch.setattr(node_module, "serve", serve)
     monkeypatch.setattr(node_module, "starting", lambda *_, **__: nullcontext())
     monkeypatch.setattr(node_module, "private_settings", lambda *_: CONFIG)
     monkeypatch.setattr(node_module.os, "setpriority", lambda *_: None)
     monkeypatch.setattr(rospy, "get_param", lambda name, default: default)
-    monkeypatch.setattr(rospy, "logfatal", lambda words, *parts: logged.append(words % parts))
     with pytest.raises(ends) as ended:
         node_module.main()
     assert getattr(ended.value, "code", None) == (2 if ends is SystemExit else None)
@@ -209,37 +209,15 @@ def acts(monkeypatch):
     return RosActs(Theatre(0.5, time.monotonic, time.time), None)
 
 
-class Proxy:
-    """A service that answers once it thaws."""
-
-    def __init__(self):
-        self.thaws, self.asked = threading.Event(), threading.Event()
-        self.transport, self.closed, self.refusal = None, 0, None
-
-    def __call__(self, request):
-        self.thaws.wait(60.0)
-        try:
-            request.serialize(SimpleNamespace(write=lambda data: None))
-        except rospy.ServiceException as refusal:
-            self.refusal = refusal
-        self.asked.set()
-        return CommandResponse(True, "stops", "")
-
-    def close(self):
-        self.closed += 1
-
-
 def test_a_service_that_hangs_is_given_up_in_time_and_not_asked_later(monkeypatch, acts):
-    proxy = Proxy()
-    monkeypatch.setattr(rospy, "ServiceProxy", lambda *_, **__: proxy)
+    service = Service(monkeypatch, hangs="before")
     began = time.monotonic()
     outcome = acts.stop()
     assert time.monotonic() - began < 10.0
     assert (outcome.is_done, outcome.words) == (False, "the controller does not answer")
-    assert proxy.closed == 1
-    proxy.thaws.set()
-    assert proxy.asked.wait(10.0)
-    assert "too late" in str(proxy.refusal)
+    assert service.closed == 1
+    service.thaws.set()
+    assert "too late" in str(service.outcomes.get(timeout=10.0))
 
 
 def test_who_is_asked_has_the_same_time_but_for_a_microphone_that_may_have_to_be_searched_for(

@@ -19,13 +19,6 @@ STAMP = SimpleNamespace(to_sec=lambda: 1.0)
 
 
 @pytest.fixture
-def logged(monkeypatch):
-    logged = []
-    monkeypatch.setattr(rospy, "logwarn", lambda words, *parts: logged.append(words % parts))
-    return logged
-
-
-@pytest.fixture
 def pictures(monkeypatch):
     monkeypatch.setattr(pictures_module.threading.Thread, "start", lambda _: None)
     theatre = Theatre(0.5, time.monotonic, time.time)

@@ -19,6 +19,7 @@ NOW = "the present code"
 def _nothing_is_played(monkeypatch):
     for name in ("_play_all", "_press_all", "_conclude"):
         monkeypatch.setattr(paper, name, lambda *_: pytest.fail("played"))
+    monkeypatch.setattr(paper, "installed_voices", lambda _: frozenset())  # each would speak
     monkeypatch.setattr(paper, "chosen_voices", lambda *_: ())
 
 

@@ -14,21 +14,17 @@ from session_log.types import Message, MessageSource
 from support.story import Story, numbered, recording_of
 from tests.unit.session_log.support.broken_disk import break_reading
 from tests.unit.session_log.support.foreign import write_foreign
+from tests.unit.session_log.support.voice_recording import say_sound
+
+AUDIO = "/voice_assist/audio"
 
 
 def test_lost_sound_becomes_silence_of_the_same_length(tmp_path):
     story = Story()
     for first, value in ((0, 100), (512, 200), (2048, 300)):
-        story.say(
-            first / 16000,
-            "/a",
-            "voice_assist/AudioChunk",
-            rate=16000,
-            first_sample=first,
-            samples=[value] * 512,
-        )
+        say_sound(story, first / 16000, first, value)
     session = recording_of(tmp_path / "s.mcap", story.messages)
-    result = export_topics(session, tmp_path / "out", [], "/a")
+    result = export_topics(session, tmp_path / "out", [], AUDIO)
     assert (result.samples, result.lost_samples) == (1536, 1024)
     with wave.open(str(result.sound)) as sound:
         content = sound.readframes(sound.getnframes())
@@ -75,12 +71,11 @@ def test_two_definitions_have_a_file_each_unless_their_md5_sum_says_that_they_ar
 def test_sound_of_another_rate_than_the_first_is_left_out_and_named(tmp_path):
     story = Story()
     for first, rate in ((0, 16_000), (1, 8_000), (1, 16_000)):
-        fields = {"rate": rate, "first_sample": first, "samples": [7]}
-        story.say(0.0, "/a", "voice_assist/AudioChunk", **fields)
+        say_sound(story, 0.0, first, rate=rate, count=1)
     reader = recording_of(tmp_path / "s.mcap", story.messages)
-    result = export_topics(reader, tmp_path / "out", [], "/a")
+    result = export_topics(reader, tmp_path / "out", [], AUDIO)
     assert (result.samples, result.undecodable) == (2, 1)
-    assert "rate is 8000 Hz, in audio.wav it is 16000" in result.unfit["/a"]
+    assert "rate is 8000 Hz, in audio.wav it is 16000" in result.unfit[AUDIO]
 
 
 @pytest.mark.parametrize(

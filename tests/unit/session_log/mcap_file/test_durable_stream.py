@@ -56,6 +56,14 @@ def test_what_a_full_disk_refused_is_written_when_there_is_room_again(tmp_path):
     assert (tmp_path / "f").read_bytes() == b"abcdef"
 
 
+def test_a_sync_waits_for_the_disk(tmp_path, monkeypatch):
+    waited = []
+    monkeypatch.setattr("os.fdatasync", waited.append)
+    stream = DurableStream(tmp_path / "f")
+    stream.sync()
+    assert waited == [stream._fd]
+
+
 def test_an_existing_file_is_never_overwritten(tmp_path):
     (tmp_path / "f").write_bytes(b"a recording")
     with pytest.raises(RecordingFailed, match="File exists"):

@@ -12,6 +12,8 @@ from support.story import recording_of
 from tests.unit.session_log.support.foreign import EARLIER, NOW, write_foreign
 from tests.unit.session_log.support.unchunked import UnchunkedWriter
 
+ROS_1 = {"message_encoding": "ros1", "schema_encoding": "ros1msg"}
+
 
 def test_a_killed_recording_becomes_a_sound_indexed_file(story, tmp_path):
     path, messages = story
@@ -76,7 +78,7 @@ def test_messages_that_are_none_of_ros_1_are_refused_and_left_alone(tmp_path, en
 
 
 def test_a_copy_keeps_the_time_of_publishing(tmp_path):
-    path = write_foreign(tmp_path / "s.mcap", message_encoding="ros1", schema_encoding="ros1msg")
+    path = write_foreign(tmp_path / "s.mcap", **ROS_1)
     assert recover(SessionReader(path), tmp_path / "new.mcap").messages == 1
     with (tmp_path / "new.mcap").open("rb") as file:
         ((_, _, message),) = make_reader(file).iter_messages()
@@ -101,8 +103,7 @@ UNORDERED = [NOW + k * 10**9 for k in (3, 4, 0, 1, 2)]  # [ns]
     ids=lambda made: "-".join(made) or "numbers",
 )
 def test_nothing_is_said_to_be_lost_of_a_sound_file_of_another_writer(tmp_path, made):
-    encodings = {"message_encoding": "ros1", "schema_encoding": "ros1msg"}
-    path = write_foreign(tmp_path / "s.mcap", ("/a", "/b"), **encodings, **made)
+    path = write_foreign(tmp_path / "s.mcap", ("/a", "/b"), **ROS_1, **made)
     count = 2 * len(made.get("times", [NOW]))
     source = path
     for name in ("copy.mcap", "copy of a copy.mcap"):
@@ -116,9 +117,8 @@ def test_nothing_is_said_to_be_lost_of_a_sound_file_of_another_writer(tmp_path, 
 
 
 def test_what_a_damaged_file_of_another_writer_lost_is_said(tmp_path):
-    encodings = {"message_encoding": "ros1", "schema_encoding": "ros1msg"}
     options = {"times": UNORDERED, "chunk_size": 1}
-    path = write_foreign(tmp_path / "s.mcap", **encodings, **options)
+    path = write_foreign(tmp_path / "s.mcap", **ROS_1, **options)
     content = bytearray(path.read_bytes())
     content[content.index(b"/t") + 400] ^= 0xFF
     path.write_bytes(content)
@@ -169,9 +169,8 @@ def test_a_copy_is_judged_by_its_account(changes, words):
 
 
 def test_a_copy_says_that_its_original_had_a_wrong_checksum(tmp_path):
-    encodings = {"message_encoding": "ros1", "schema_encoding": "ros1msg"}
     options = {"use_chunking": False, "enable_data_crcs": True}
-    path = write_foreign(tmp_path / "s.mcap", **encodings, **options)
+    path = write_foreign(tmp_path / "s.mcap", **ROS_1, **options)
     content = path.read_bytes()
     path.write_bytes(content.replace(b"\1\0\0\0x", b"\1\0\0\0y"))
     assert recover(SessionReader(path), tmp_path / "new.mcap").condition.checksum == "wrong"

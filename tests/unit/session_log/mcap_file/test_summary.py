@@ -8,9 +8,8 @@ from session_log.mcap_file.records import MAGIC
 from session_log.mcap_file.summary import read_summary
 from session_log.types import Message, MessageSource
 from support.story import recording_of
-from tests.unit.session_log.support.foreign import write_foreign
+from tests.unit.session_log.support.foreign import NOW, write_foreign
 
-NOW = 1_795_200_000_000_000_000  # [ns]
 TENTH = 10**8  # [ns]
 
 
@@ -29,7 +28,11 @@ def messages(set_back):
 )
 def test_length_and_rates_cover_what_was_recorded_though_the_clock_was_set_back(tmp_path, set_back):
     result = read_summary(recording_of(tmp_path / "s.mcap", messages(set_back)))
-    assert len(result.clock_steps) == len(set_back)
+    now = NOW
+    for step, (k, seconds) in zip(result.clock_steps, set_back.items(), strict=True):
+        before, now = now + (k - 1) * TENTH, now - seconds * 10**9
+        assert (step.before, step.after) == (before, now + k * TENTH)
+        assert str(step).startswith(f"the clock was set back by {seconds - 0.1:.1f} s at 2026-")
     assert result.start == NOW
     unseen = 0.1 * len(set_back)  # [s] between the two messages around a step
     assert result.duration == pytest.approx(10.0 - unseen)

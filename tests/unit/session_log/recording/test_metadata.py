@@ -127,38 +127,38 @@ def test_a_value_too_long_for_a_path_names_no_file():
     assert metadata.named_facts({"robot": words}) == {"robot": words}
 
 
-def test_one_odd_parameter_costs_neither_the_others_nor_the_robot(monkeypatch):
+@pytest.fixture
+def watched(monkeypatch):
+    """What is recorded, offered and warned of where the master answers so."""
+
+    def check(ask_master):
+        recorded, offered, warned = {}, [], []
+        recorder = SimpleNamespace(
+            register=lambda source: source,
+            add_metadata=recorded.__setitem__,
+            offer=lambda tally, data: offered.append(data[4:]),
+        )
+        monkeypatch.setattr(recorder_node, "ask_master", ask_master)
+        warn = lambda _, words, *parts: warned.append(words % parts)  # noqa: E731
+        monkeypatch.setattr(recorder_node.rospy, "logwarn_throttle", warn)
+        recorder_node.ParameterWatcher(recorder, Namespace("/")).check()
+        return recorded, offered, warned
+
+    return check
+
+
+def test_one_odd_parameter_costs_neither_the_others_nor_the_robot(watched):
     parameters = {"bad": Wordless(), "day": DateTime("20261121T09:30:00"), "gain": 1}
     parameters |= {"session": {"voice": {"seed": 7}}, "robot_description": "<robot/>"}
-    recorded, offered, warned = {}, [], []
-    recorder = SimpleNamespace(
-        register=lambda source: source,
-        add_metadata=recorded.__setitem__,
-        offer=lambda tally, data: offered.append(data[4:]),
-    )
-    monkeypatch.setattr(recorder_node, "ask_master", lambda method, name: parameters)
-
-    def warn(period, text):
-        warned.append(text)
-
-    monkeypatch.setattr(recorder_node.rospy, "logwarn_throttle", warn)
-    recorder_node.ParameterWatcher(recorder, Namespace("/")).check()
+    recorded, offered, warned = watched(lambda method, name: parameters)
     assert set(recorded["parameters"]) == {"bad", "day", "gain"}
     assert recorded["session/voice"] == {"seed": "7"} and offered == [b"<robot/>"]
     assert len(warned) == 1 and "/bad: ValueError" in warned[0]
 
 
-def test_a_master_whose_answer_breaks_off_costs_no_turn_of_the_recorder(monkeypatch):
+def test_a_master_whose_answer_breaks_off_costs_no_turn_of_the_recorder(watched):
     def broken(method, name):
         raise EOFError("Compressed file ended before the end-of-stream marker was reached")
 
-    warned, recorded = [], {}
-    recorder = SimpleNamespace(
-        register=lambda source: source, add_metadata=recorded.__setitem__, offer=None
-    )
-    monkeypatch.setattr(recorder_node, "ask_master", broken)
-    monkeypatch.setattr(
-        recorder_node.rospy, "logwarn_throttle", lambda *words: warned.append(words)
-    )
-    recorder_node.ParameterWatcher(recorder, Namespace("/")).check()
-    assert recorded == {} and "parameters" in warned[0][1]
+    recorded, offered, warned = watched(broken)
+    assert recorded == {} and offered == [] and "parameters" in warned[0]

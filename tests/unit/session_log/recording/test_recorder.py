@@ -13,18 +13,10 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import read_summary
 from session_log.mcap_file.writer import SessionWriter
 from session_log.recording import recorder as recorder_module
-from session_log.recording.recorder import MANY_PUBLISHERS, MOST_PUBLISHERS, Recorder
-from session_log.types import Message
+from session_log.recording.recorder import MANY_PUBLISHERS, MOST_PUBLISHERS
 from support.message_classes import class_of, serialise, source_of
-from support.story import recording_of
 from support.waiting import wait_until
 from tests.unit.session_log.support.recorder_inputs import full, text
-
-
-@pytest.fixture
-def recorder(tmp_path, recorder_config):
-    """One that has not begun."""
-    return Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, time.time_ns)
 
 
 def test_many_threads_lose_nothing(tmp_path, recorder):
@@ -57,12 +49,11 @@ def test_what_is_said_to_be_written_is_in_the_file(tmp_path, recorder):
     recorder.close()
 
 
-def test_messages_are_dropped_only_above_the_limit_and_counted(tmp_path, recorder_config):
+def test_messages_are_dropped_only_above_the_limit_and_counted(tmp_path, make_recorder):
     def never():
         raise RecordingFailed(tmp_path, full())
 
-    config = replace(recorder_config, queue_messages=100)
-    recorder = Recorder(never, config, time.time_ns)
+    recorder = make_recorder(never, queue_messages=100)
     tally = recorder.register(text())
     taken = [recorder.offer(tally, b"x") for _ in range(130)]
     assert taken == [True] * 100 + [False] * 30
@@ -70,17 +61,16 @@ def test_messages_are_dropped_only_above_the_limit_and_counted(tmp_path, recorde
     assert (status.received, status.dropped, status.waiting) == (130, 30, 100)
 
 
-def test_a_limit_of_bytes_holds_too(recorder_config):
-    recorder = Recorder(pytest.fail, replace(recorder_config, queue_size=1_000_000), time.time_ns)
+def test_a_limit_of_bytes_holds_too(make_recorder):
+    recorder = make_recorder(pytest.fail, queue_size=1_000_000)
     tally = recorder.register(text())
     assert recorder.offer(tally, bytes(900_000))
     assert not recorder.offer(tally, bytes(200_000))
     assert recorder.offer(tally, bytes(50_000))
 
 
-def test_what_was_written_makes_room_for_more(tmp_path, recorder_config):
-    config = replace(recorder_config, queue_size=1_000_000)
-    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), config, time.time_ns)
+def test_what_was_written_makes_room_for_more(make_recorder):
+    recorder = make_recorder(queue_size=1_000_000)
     tally = recorder.register(text())
     recorder.start()
     for k in range(5):
@@ -89,9 +79,9 @@ def test_what_was_written_makes_room_for_more(tmp_path, recorder_config):
     recorder.close()
 
 
-def test_the_acknowledged_time_is_never_ahead_of_the_clock(tmp_path, recorder_config):
+def test_the_acknowledged_time_is_never_ahead_of_the_clock(tmp_path, make_recorder):
     times = count(1)
-    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), recorder_config, times.__next__)
+    recorder = make_recorder(lambda: SessionWriter(tmp_path / "s.mcap"), times.__next__)
     recorder.start()
     wait_until(lambda: recorder.status().written_until > 0)
     for _ in range(50):
@@ -99,7 +89,7 @@ def test_the_acknowledged_time_is_never_ahead_of_the_clock(tmp_path, recorder_co
     recorder.close()
 
 
-def test_a_clock_that_is_set_back_does_not_end_the_syncs(tmp_path, recorder_config):
+def test_a_clock_that_is_set_back_does_not_end_the_syncs(tmp_path, make_recorder, recorder_config):
     """They bound what a power failure takes."""
     hour, clock, steady, syncs = 3600 * 10**9, [1_795_200_000 * 10**9], [0.0], []
 
@@ -108,7 +98,7 @@ def test_a_clock_that_is_set_back_does_not_end_the_syncs(tmp_path, recorder_conf
         writer.sync = lambda: syncs.append(steady[0])
         return writer
 
-    recorder = Recorder(open_writer, recorder_config, lambda: clock[0], lambda: steady[0])
+    recorder = make_recorder(open_writer, lambda: clock[0], lambda: steady[0])
     recorder.start()
     wait_until(lambda: len(syncs) == 1)
     clock[0] -= hour
@@ -117,11 +107,11 @@ def test_a_clock_that_is_set_back_does_not_end_the_syncs(tmp_path, recorder_conf
     recorder.close()
 
 
-def test_an_unexpected_error_is_kept_in_sight(tmp_path, recorder_config):
+def test_an_unexpected_error_is_kept_in_sight(make_recorder):
     def broken():
         raise KeyError("a bug")
 
-    recorder = Recorder(broken, recorder_config, time.time_ns)
+    recorder = make_recorder(broken)
     recorder.start()
     wait_until(lambda: "KeyError" in recorder.status().error)
     assert not recorder.status().is_recording
@@ -141,9 +131,8 @@ def test_gaps_in_the_publishers_own_count_are_reported_and_recorded(tmp_path, re
     assert losses == {"/rst_control/event from /controller": "0 dropped, 3 missed"}
 
 
-def test_what_two_types_of_one_publisher_lost_is_summed(tmp_path, recorder_config):
-    config = replace(recorder_config, queue_messages=100)
-    recorder = Recorder(lambda: SessionWriter(tmp_path / "s.mcap"), config, time.time_ns)
+def test_what_two_types_of_one_publisher_lost_is_summed(tmp_path, make_recorder):
+    recorder = make_recorder(queue_messages=100)
     tallies = [recorder.register(replace(text(), md5sum=md5sum)) for md5sum in ("a", "b")]
     for _ in range(70):
         for tally in tallies:
@@ -154,8 +143,8 @@ def test_what_two_types_of_one_publisher_lost_is_summed(tmp_path, recorder_confi
     assert losses == {"/t from /p": "40 dropped, 0 missed"}
 
 
-def test_the_latched_message_from_before_the_connection_opens_no_gap(recorder_config):
-    recorder = Recorder(pytest.fail, recorder_config, time.time_ns)
+def test_the_latched_message_from_before_the_connection_opens_no_gap(make_recorder):
+    recorder = make_recorder(pytest.fail)
     source = source_of("/mode", "voice_assist/Mode", "/voice", is_latched=True)
     tally = recorder.register(source)
     for sequence in (1, 7, 8, 10):
@@ -206,12 +195,3 @@ def test_topics_that_no_file_can_hold_are_named_and_the_others_recorded(
     reader = SessionReader(tmp_path / "s.mcap")
     assert read_summary(reader).messages == 3
     assert reader.condition.latest("losses")["/t4 from /p"] == "1 dropped, 0 missed"
-
-
-def test_a_clock_that_was_set_back_differs_from_one_that_goes_on(tmp_path, recorder_config):
-    hour, now = 3600 * 10**9, 1_795_200_000 * 10**9
-    times = [now, now + 10**9, now + 10**9 - hour, now + 2 * 10**9 - hour]
-    messages = [Message(text(), b"x", log_time, k) for k, log_time in enumerate(times, 1)]
-    (step,) = read_summary(recording_of(tmp_path / "s.mcap", messages)).clock_steps
-    assert (step.before, step.after) == (times[1], times[2])
-    assert str(step).startswith("the clock was set back by 3600.0 s at 2026-")

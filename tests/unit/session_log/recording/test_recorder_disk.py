@@ -4,7 +4,6 @@
 import os
 import threading
 import time
-from dataclasses import replace
 
 import pytest
 
@@ -12,7 +11,6 @@ from session_log.errors import RecordingFailed
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import read_summary
 from session_log.mcap_file.writer import SessionWriter
-from session_log.recording.recorder import Recorder
 from support.waiting import PATIENCE, wait_until
 from tests.unit.session_log.support.recorder_inputs import full, text
 
@@ -24,7 +22,7 @@ def on_disk(folder, write):
     return writer
 
 
-def test_a_folder_that_cannot_be_written_is_said_and_tried_again(tmp_path, recorder_config):
+def test_a_folder_that_cannot_be_written_is_said_and_tried_again(tmp_path, make_recorder):
     attempts = []
 
     def open_writer():
@@ -33,8 +31,7 @@ def test_a_folder_that_cannot_be_written_is_said_and_tried_again(tmp_path, recor
             raise RecordingFailed(tmp_path / "s.mcap", PermissionError(13, "Permission denied"))
         return SessionWriter(tmp_path / "s.mcap")
 
-    config = replace(recorder_config, retry_period=0.05)
-    recorder = Recorder(open_writer, config, time.time_ns)
+    recorder = make_recorder(open_writer, retry_period=0.05)
     tally = recorder.register(text())
     recorder.start()
     recorder.offer(tally, b"early")
@@ -46,7 +43,7 @@ def test_a_folder_that_cannot_be_written_is_said_and_tried_again(tmp_path, recor
     assert message.data == b"early"
 
 
-def test_a_disk_that_fills_and_empties_again_costs_nothing(tmp_path, recorder_config):
+def test_a_disk_that_fills_and_empties_again_costs_nothing(tmp_path, make_recorder):
     room = [10_000]
 
     def write(fd, data):
@@ -55,9 +52,7 @@ def test_a_disk_that_fills_and_empties_again_costs_nothing(tmp_path, recorder_co
         room[0] -= len(data)
         return os.write(fd, data)
 
-    recorder = Recorder(
-        lambda: on_disk(tmp_path, write), replace(recorder_config, retry_period=0.05), time.time_ns
-    )
+    recorder = make_recorder(lambda: on_disk(tmp_path, write), retry_period=0.05)
     tally = recorder.register(text())
     recorder.start()
     for _ in range(300):
@@ -71,12 +66,12 @@ def test_a_disk_that_fills_and_empties_again_costs_nothing(tmp_path, recorder_co
     assert recorder.status().written == 300
 
 
-def test_memory_stays_bounded_while_the_disk_is_full(tmp_path, recorder_config):
+def test_memory_stays_bounded_while_the_disk_is_full(tmp_path, make_recorder):
     def write(fd, data):
         raise full()
 
-    config = replace(recorder_config, queue_messages=100, retry_period=0.05)
-    recorder = Recorder(lambda: on_disk(tmp_path, write), config, time.time_ns)
+    changes = {"queue_messages": 100, "retry_period": 0.05}
+    recorder = make_recorder(lambda: on_disk(tmp_path, write), **changes)
     tally = recorder.register(text())
     recorder.offer(tally, b"x")
     recorder.start()
@@ -92,11 +87,11 @@ def test_memory_stays_bounded_while_the_disk_is_full(tmp_path, recorder_config):
     recorder.close()
 
 
-def test_closing_while_the_disk_is_full_says_how_much_was_lost(tmp_path, recorder_config):
+def test_closing_while_the_disk_is_full_says_how_much_was_lost(tmp_path, make_recorder):
     def never():
         raise RecordingFailed(tmp_path / "s.mcap", full())
 
-    recorder = Recorder(never, recorder_config, time.time_ns)
+    recorder = make_recorder(never)
     tally = recorder.register(text())
     recorder.start()
     for _ in range(3):
@@ -104,7 +99,7 @@ def test_closing_while_the_disk_is_full_says_how_much_was_lost(tmp_path, recorde
     assert recorder.close().endswith("No space left on device; 3 messages were not written")
 
 
-def test_what_waits_for_a_full_disk_at_the_end_is_counted(tmp_path, recorder_config):
+def test_what_waits_for_a_full_disk_at_the_end_is_counted(tmp_path, make_recorder):
     """As well what a failed commit has taken from the queue as what has come since."""
     is_full = threading.Event()
 
@@ -113,8 +108,7 @@ def test_what_waits_for_a_full_disk_at_the_end_is_counted(tmp_path, recorder_con
             raise full()
         return os.write(fd, data)
 
-    config = replace(recorder_config, retry_period=60.0)
-    recorder = Recorder(lambda: on_disk(tmp_path, write), config, time.time_ns)
+    recorder = make_recorder(lambda: on_disk(tmp_path, write), retry_period=60.0)
     tally = recorder.register(text())
     recorder.start()
     wait_until(lambda: recorder.status().is_recording)
@@ -138,12 +132,12 @@ class Blocking:
         return os.write(fd, data)
 
 
-def test_a_disk_that_hangs_without_an_error_is_an_error_until_it_goes_on(tmp_path, recorder_config):
+def test_a_disk_that_hangs_without_an_error_is_an_error_until_it_goes_on(
+    tmp_path, make_recorder, recorder_config
+):
     disk, now = Blocking(), [0.0]
-
-    recorder = Recorder(
-        lambda: on_disk(tmp_path, disk.write), recorder_config, time.time_ns, lambda: now[0]
-    )
+    clocks = time.time_ns, lambda: now[0]
+    recorder = make_recorder(lambda: on_disk(tmp_path, disk.write), *clocks)
     tally = recorder.register(text())
     recorder.start()
     wait_until(lambda: recorder.status().is_recording)
@@ -160,16 +154,15 @@ def test_a_disk_that_hangs_without_an_error_is_an_error_until_it_goes_on(tmp_pat
     assert recorder.close() == "" and recorder.status().written == 1
 
 
-def test_a_drop_counts_as_loss_for_a_while_and_stays_counted(recorder_config):
+def test_a_drop_counts_as_loss_for_a_while_and_stays_counted(make_recorder, recorder_config):
     now = [0.0]
-    config = replace(recorder_config, queue_messages=100)
-    recorder = Recorder(pytest.fail, config, time.time_ns, lambda: now[0])
+    recorder = make_recorder(pytest.fail, time.time_ns, lambda: now[0], queue_messages=100)
     tally = recorder.register(text())
     for _ in range(100):
         recorder.offer(tally, b"x")
     assert recorder.status().error == ""
     recorder.offer(tally, b"one too many")
-    now[0] = config.stall_time
+    now[0] = recorder_config.stall_time
     assert recorder.status().error == "messages are being dropped: the disk is too slow"
     now[0] += 0.1
     assert (recorder.status().error, recorder.status().dropped) == ("", 1)

@@ -13,10 +13,8 @@ from session_log.replay.command import REPLAY_CONFIG
 from session_log.replay.config import ReplayConfig
 from session_log.replay.recorded_voice import read_voice
 from support.story import Story, numbered, recording_of
+from tests.unit.session_log.support.voice_recording import BLOCK, note, say_sound
 from typed_config import load_file
-
-AUDIO = ("/voice_assist/audio", "voice_assist/AudioChunk")
-BLOCK = 512
 
 
 @pytest.fixture
@@ -32,8 +30,7 @@ def models_of(tmp_path):
                     writer.add_metadata("parameters", {"voice_assist": settings})
                     writer.add_metadata("session/voice_assist", {"model": part})
                 else:
-                    fields = {"rate": 16_000, "first_sample": part, "samples": [1] * BLOCK}
-                    story.say(1.0 + k, *AUDIO, **fields)
+                    say_sound(story, 1.0 + k, part)
                     writer.add(story.messages[-1])
                 writer.commit()
         reader = SessionReader(tmp_path / "session.mcap")
@@ -84,11 +81,10 @@ def test_notes_before_the_first_sound_of_a_run_are_its_own(tmp_path, firsts, not
     story = Story()
     for k in range(-1, len(firsts)):
         if k >= 0:
-            fields = {"rate": 16_000, "first_sample": firsts[k], "samples": [1] * BLOCK}
-            story.say(1.0 + k, *AUDIO, **fields)
+            say_sound(story, 1.0 + k, firsts[k])
         for sample in notes.get(k, ()):
             text = "no sample" if sample is None else json.dumps({"sample": sample})
-            story.say(1.5 + k, "/voice_assist/circumstances", "std_msgs/String", data=text)
+            note(story, 1.5 + k, text)
     reader = recording_of(tmp_path / "session.mcap", numbered(story.messages))
     runs = read_voice(reader, load_file(ReplayConfig, REPLAY_CONFIG)).runs
     assert tuple(len(run.notes) for run in runs) == counts

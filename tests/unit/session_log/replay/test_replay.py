@@ -24,6 +24,7 @@ from tests.unit.session_log.support.voice_recording import (
     ordinary,
     play,
     say,
+    say_sound,
     write,
 )
 from typed_config import load_yaml
@@ -106,8 +107,7 @@ def test_a_folder_with_a_copy_alone_holds_no_recording(tmp_path, refusal):
 
 def test_sound_that_the_pipeline_cannot_take_is_an_error(tmp_path, replayed):
     story = Story()
-    fields = {"rate": 8_000, "first_sample": 0, "samples": [0] * BLOCK}
-    story.say(0.0, "/voice_assist/audio", "voice_assist/AudioChunk", **fields)
+    say_sound(story, 0.0, 0, rate=8_000)
     code, _, err, _ = replayed(write(tmp_path / "session.mcap", story))
     assert code == 2 and "rate 8000 Hz, allowed: 16000" in err
 

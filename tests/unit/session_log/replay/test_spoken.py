@@ -8,8 +8,9 @@ from session_log.errors import SessionLogError
 from session_log.replay import spoken as spoken_room
 from session_log.replay.spoken import AROUND, spoken
 from support.story import Story, recording_of
+from tests.unit.session_log.support.voice_recording import BLOCK, say, say_sound
 
-RATE, BLOCK = 16000, 512
+RATE = 16000
 
 
 def written(path, utterances, lost=()):
@@ -17,27 +18,9 @@ def written(path, utterances, lost=()):
     story = Story()
     for number in range(round(6.0 * RATE / BLOCK)):
         if number not in lost:
-            story.say(
-                number * BLOCK / RATE,
-                "/voice_assist/audio",
-                "voice_assist/AudioChunk",
-                rate=RATE,
-                first_sample=number * BLOCK,
-                samples=[number + 1] * BLOCK,
-            )
+            say_sound(story, number * BLOCK / RATE, number * BLOCK, number + 1)
     for start, end, text, command in utterances:
-        story.say(
-            end + 0.2,
-            "/voice_assist/utterance",
-            "voice_assist/Utterance",
-            transcript=text,
-            phrases=["tense"],
-            wer=[0.0],
-            command=command,
-            speech_start=float(start),
-            speech_end=float(end),
-            decision=float(end + 0.2),
-        )
+        say(story, end, transcript=text, command=command, speech_start=start)
     recording_of(path, sorted(story.messages, key=lambda m: m.log_time))
     return path
 

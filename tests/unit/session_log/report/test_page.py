@@ -61,27 +61,40 @@ async def press(browser, key):
         await browser.send("Input.dispatchKeyEvent", type=kind, key=key)
 
 
-async def by_keyboard(url):
+@pytest.fixture
+def shown(tmp_path):
+    """What a look at a page gives in a browser of this size."""
+    if not find_browser():
+        pytest.skip(MISSING)
+
+    async def in_browser(look, size):
+        async with Browser() as browser:
+            await browser.open((tmp_path / "report.html").as_uri(), *size)
+            found = await look(browser)
+            assert not browser.errors
+            return found
+
+    def shown(text, look, *size):
+        (tmp_path / "report.html").write_text(text, "utf-8")
+        return asyncio.run(in_browser(look, size))
+
+    return shown
+
+
+async def by_keyboard(browser):
     """Go over the time axis, to a row and back; what was shown after each key."""
-    async with Browser() as browser:
-        await browser.open(url)
-        found = [await browser.evaluate(SHOWN)]
-        await browser.evaluate("document.querySelector('canvas').focus()")
-        for key in ("+", "ArrowRight", "ArrowLeft", "-", "Enter"):
-            await press(browser, key)
-            found.append(await browser.evaluate(SHOWN))
-        found.append(await browser.evaluate(f"{FOCUS}.matches('tr button') && {FOCUS}.innerText"))
-        await browser.evaluate(f"{FOCUS}.click()")
-        found += [await browser.evaluate(SHOWN), await browser.evaluate(f"{FOCUS}.tagName")]
-        return found, browser.errors
+    found = [await browser.evaluate(SHOWN)]
+    await browser.evaluate("document.querySelector('canvas').focus()")
+    for key in ("+", "ArrowRight", "ArrowLeft", "-", "Enter"):
+        await press(browser, key)
+        found.append(await browser.evaluate(SHOWN))
+    found.append(await browser.evaluate(f"{FOCUS}.matches('tr button') && {FOCUS}.innerText"))
+    await browser.evaluate(f"{FOCUS}.click()")
+    return [*found, await browser.evaluate(SHOWN), await browser.evaluate(f"{FOCUS}.tagName")]
 
 
-@pytest.mark.skipif(not find_browser(), reason=MISSING)
-def test_the_time_axis_goes_by_keys_to_a_row_and_back(tmp_path):
-    (tmp_path / "report.html").write_text(text_of(), "utf-8")
-    found, errors = asyncio.run(by_keyboard((tmp_path / "report.html").as_uri()))
-    assert not errors
-    assert found == [
+def test_the_time_axis_goes_by_keys_to_a_row_and_back(shown):
+    assert shown(text_of(), by_keyboard) == [
         "0.0 to 100.0 seconds",
         "25.0 to 75.0 seconds",
         "30.0 to 80.0 seconds",
@@ -108,39 +121,30 @@ BLUE_AT = """((places) => {
 })([0.02, 0.2, 0.5, 0.98])"""
 
 
-async def of_a_curve(url):
+async def of_a_curve(browser):
     """Where it is drawn when the middle half of the time is shown."""
-    async with Browser() as browser:
-        await browser.open(url)
-        await browser.evaluate("document.querySelector('canvas').focus()")
-        await press(browser, "+")
-        return await browser.evaluate(BLUE_AT), browser.errors
+    await browser.evaluate("document.querySelector('canvas').focus()")
+    await press(browser, "+")
+    return await browser.evaluate(BLUE_AT)
 
 
-@pytest.mark.skipif(not find_browser(), reason=MISSING)
-def test_a_curve_leads_to_the_samples_beyond_what_is_shown_and_not_left_of_it(tmp_path):
+def test_a_curve_leads_to_the_samples_beyond_what_is_shown_and_not_left_of_it(shown):
     curve = {"name": "tension [N]", "time": [0.0, 45.0, 55.0, 100.0], "value": [1.0, 2.0, 1.5, 3.0]}
     zoom = {**ZOOM, "bands": [], "marks": [], "curves": [curve]}
     section = Section("Timeline", image=Image("Timeline", "", b"wide", b"narrow"), zoom=zoom)
-    (tmp_path / "report.html").write_text(page("Session", "", "", {}, [section]), "utf-8")
-    found, errors = asyncio.run(of_a_curve((tmp_path / "report.html").as_uri()))
-    assert not errors
-    assert found == [False, True, True, True]
+    text = page("Session", "", "", {}, [section])
+    assert shown(text, of_a_curve) == [False, True, True, True]
 
 
-async def on_a_phone(url):
-    """Widths of the page and of the table of sessions, and how many of its cells are shown."""
-    async with Browser() as browser:
-        await browser.open(url, 390, 844)
-        await browser.evaluate("document.querySelectorAll('details').forEach((d) => d.open = true)")
-        return await browser.evaluate("""[
-            document.documentElement.scrollWidth,
-            document.querySelector('.wide').scrollWidth,
-            [...document.querySelectorAll('.wide td')].filter((e) => e.offsetWidth > 20).length]""")
+async def widths(browser):
+    """Of the page and of the table of sessions, and how many of its cells are shown."""
+    await browser.evaluate("document.querySelectorAll('details').forEach((d) => d.open = true)")
+    return await browser.evaluate("""[
+        document.documentElement.scrollWidth,
+        document.querySelector('.wide').scrollWidth,
+        [...document.querySelectorAll('.wide td')].filter((e) => e.offsetWidth > 20).length]""")
 
 
-@pytest.mark.skipif(not find_browser(), reason=MISSING)
-def test_on_a_phone_the_table_of_sessions_scrolls_and_hides_no_column(tmp_path):
-    (tmp_path / "report.html").write_text(text_of(), "utf-8")
-    page_width, table_width, cells = asyncio.run(on_a_phone((tmp_path / "report.html").as_uri()))
+def test_on_a_phone_the_table_of_sessions_scrolls_and_hides_no_column(shown):
+    page_width, table_width, cells = shown(text_of(), widths, 390, 844)
     assert page_width <= 390 and table_width > 700 and cells == 12

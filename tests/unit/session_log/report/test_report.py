@@ -13,7 +13,6 @@ import pytest
 import soundfile
 from PIL import Image
 
-from session_log.errors import OutputFailed
 from session_log.mcap_file.reader import SessionReader
 from session_log.report.notes import Note, add_note
 from session_log.report.one_session import write_report
@@ -43,14 +42,15 @@ SECTIONS = [
 
 
 class Page(HTMLParser):
-    """Text, headings and sources of a page."""
+    """Text, headings and sources of a report's page."""
 
-    def __init__(self, text):
+    def __init__(self, report):
         super().__init__()
+        self.text = report.page.read_text(encoding="utf-8")
         self.headings, self.sources, self.rows, self._tag = [], [], [], ""
-        self.feed(text)
+        self.feed(self.text)
         unseen = r"<style>.*?</style>|<script.*?</script>|<[^>]*>"
-        self.words = re.sub(unseen, " ", text, flags=re.DOTALL)
+        self.words = re.sub(unseen, " ", self.text, flags=re.DOTALL)
 
     def handle_starttag(self, tag, attributes):
         self._tag = tag
@@ -70,7 +70,18 @@ class Page(HTMLParser):
 def report(story, report_config, tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
     result = write_report(SessionReader(story[0]), folder, report_config)
-    return result, Page(result.page.read_text(encoding="utf-8"))
+    return result, Page(result)
+
+
+@pytest.fixture
+def reported(tmp_path, report_config):
+    """Writes the report of s.mcap, with some settings changed."""
+
+    def write(**changes):
+        config = replace(report_config, **changes)
+        return write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, config)
+
+    return write
 
 
 def test_every_section_is_there(report):
@@ -117,22 +128,19 @@ def test_what_was_refused_has_a_table_of_its_own(report):
 
 
 @pytest.mark.usefixtures("without_figures")
-def test_the_page_counts_refused_hands_and_failed_devices_apart_from_the_voice(
-    tmp_path, report_config
-):
+def test_the_page_counts_refused_hands_and_failed_devices_apart_from_the_voice(tmp_path, reported):
     story = Story(duration=3.0)
     story.event(1.0, "refused", "tense", "held")
     call = {"phrase": "light on", "target": "/light", "message": "away"}
     story.say(2.0, "/voice_assist/device", "voice_assist/DeviceCall", **call)
-    session = recording_of(tmp_path / "s.mcap", story.messages)
-    text = write_report(session, tmp_path, report_config).page.read_text("utf-8")
-    facts = re.findall(r'<b>(.*?)</b><span class="quiet">(.*?)</span>', text)
+    recording_of(tmp_path / "s.mcap", story.messages)
+    page = Page(reported())
+    facts = re.findall(r'<b>(.*?)</b><span class="quiet">(.*?)</span>', page.text)
     assert facts[:3] == [
         ("0", "spoken commands"),
         ("0", "of them refused by the controller"),
         ("1", "device calls that failed"),
     ]
-    page = Page(text)
     assert "Device calls that failed, and why" in page.headings
     assert [row[1:] for row in page.rows if len(row) == 4] == [
         ["tense", "by\u00a0hand", "held"],
@@ -169,13 +177,12 @@ def test_lengths_keep_their_digits_in_a_fitting_unit(value, words):
     assert length(value).replace("\u00a0", " ") == words
 
 
-def test_a_session_by_hand_has_commands_but_no_latency(tmp_path, report_config):
+def test_a_session_by_hand_has_commands_but_no_latency(tmp_path, reported):
     story = Story(duration=3.0)
     story.event(1.0, "accepted", "tense", "reaches")
     story.event(1.1, "motion_started", "tense", "")
-    session = recording_of(tmp_path / "s.mcap", story.messages)
-    result = write_report(session, tmp_path, report_config)
-    page = Page(result.page.read_text(encoding="utf-8"))
+    recording_of(tmp_path / "s.mcap", story.messages)
+    page = Page(result := reported())
     assert any(row[1:3] == ["by\u00a0hand", "tense"] for row in page.rows if len(row) == 8)
     assert "No spoken command led to an action." in page.words
     assert {path.stem for path in result.figures} == {"timeline"}
@@ -188,20 +195,18 @@ def test_origin_and_limits_are_named(report):
 
 
 @pytest.mark.usefixtures("with_timeline")
-def test_what_was_recorded_is_text_never_markup(tmp_path, report_config, monkeypatch):
+def test_what_was_recorded_is_text_never_markup(tmp_path, reported, monkeypatch):
     hostile = [(1.0, 0.5, "<script>alert(1)</script>", "", "<b>no</b>")]
     monkeypatch.setattr("support.story.SPEECH", hostile)
     write_session(tmp_path / "s.mcap", duration=3.0, rate=50)
-    result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, report_config)
-    text = result.page.read_text(encoding="utf-8")
+    text = Page(reported()).text
     assert "<script>alert" not in text and "&lt;script&gt;alert(1)" in text and "<b>no" not in text
     assert text.count("<script") == text.count("</script") == 2, "that of the page and its values"
 
 
-def test_a_session_without_anything_still_gives_a_page_that_says_so(tmp_path, report_config):
+def test_a_session_without_anything_still_gives_a_page_that_says_so(tmp_path, reported):
     write_session(tmp_path / "s.mcap", duration=-1.0)
-    result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, report_config)
-    page = Page(result.page.read_text(encoding="utf-8"))
+    page = Page(result := reported())
     assert result.figures == []
     assert page.headings == [s for s in SECTIONS if s != "What was taken for what"]
     assert "Nobody recorded what was meant to be said" in page.words
@@ -209,39 +214,31 @@ def test_a_session_without_anything_still_gives_a_page_that_says_so(tmp_path, re
 
 
 @pytest.mark.usefixtures("without_figures")
-def test_a_killed_recording_is_reported_with_a_warning(story, tmp_path, report_config):
+def test_a_killed_recording_is_reported_with_a_warning(story, tmp_path, reported):
     content = story[0].read_bytes()
     (tmp_path / "s.mcap").write_bytes(content[: len(content) * 2 // 3])
-    result = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, report_config)
-    assert "The recorder did not close this file" in result.page.read_text(encoding="utf-8")
+    assert "The recorder did not close this file" in Page(reported()).text
 
 
 @pytest.mark.usefixtures("with_timeline")
-def test_figures_are_also_written_for_a_paper_when_asked(tmp_path, report_config):
+def test_figures_are_also_written_for_a_paper_when_asked(tmp_path, reported):
     story = Story()
     story.event(1.0, "accepted", "tense", "reaches")
     story.event(1.1, "motion_started", "tense", "")
-    session = recording_of(tmp_path / "s.mcap", story.messages)
-    result = write_report(session, tmp_path, replace(report_config, vector=True))
-    assert (tmp_path / "timeline.pdf") in result.figures
+    recording_of(tmp_path / "s.mcap", story.messages)
+    assert (tmp_path / "timeline.pdf") in reported(vector=True).figures
     assert (tmp_path / "timeline.pdf").read_bytes().startswith(b"%PDF")
-
-
-def test_a_folder_that_cannot_be_made_is_named(story, tmp_path, report_config):
-    (tmp_path / "file").write_text("in the way")
-    with pytest.raises(OutputFailed, match=r"cannot write .*file"):
-        write_report(SessionReader(story[0]), tmp_path / "file", report_config)
 
 
 @pytest.mark.usefixtures("without_figures")
 @pytest.mark.parametrize(("missed", "is_warned"), [(1, False), (500, True)])
 def test_one_lost_message_of_thousands_is_a_note_and_many_are_a_warning(
-    story, tmp_path, report_config, missed, is_warned
+    story, tmp_path, reported, missed, is_warned
 ):
     losses = {"/joint_states from /robot": f"0 dropped, {missed} missed"}
     messages = [m for m in story[1] if m.source.topic == "/joint_states"]
-    session = recording_of(tmp_path / "s.mcap", messages, {"losses": losses})
-    text = write_report(session, tmp_path, report_config).page.read_text()
+    recording_of(tmp_path / "s.mcap", messages, {"losses": losses})
+    text = Page(reported()).text
     words = f"Lost on /joint_states from /robot: 0 dropped, {missed} missed of"
     assert words in text
     warning = re.search(r'<p class="warn">(.*?)</p>', text)
@@ -249,30 +246,27 @@ def test_one_lost_message_of_thousands_is_a_note_and_many_are_a_warning(
 
 
 @pytest.mark.usefixtures("without_figures")
-def test_an_utterance_can_be_heard_and_that_can_be_switched_off(report, tmp_path, report_config):
-    result, page = report
-    text = result.page.read_text(encoding="utf-8")
-    sounds = re.findall(r'class="hear".*?data-sound="data:audio/mpeg;base64,([^"]*)"', text)
+def test_an_utterance_can_be_heard_and_that_can_be_switched_off(report, tmp_path, reported):
+    _, page = report
+    sounds = re.findall(r'class="hear".*?data-sound="data:audio/mpeg;base64,([^"]*)"', page.text)
     spoken = [row for row in page.rows if len(row) == 8 and row[1] != "by\u00a0hand"]
     assert len(sounds) == len(spoken)
     samples, rate = soundfile.read(io.BytesIO(base64.b64decode(sounds[0])))
     assert rate == 16000 and 0.5 < len(samples) / rate < 3.0 and samples.std() > 0.05
     write_session(tmp_path / "s.mcap", duration=6.0, rate=50)
-    config = replace(report_config, utterance_sound=False)
-    without = write_report(SessionReader(tmp_path / "s.mcap"), tmp_path, config).page
-    assert "data:audio" not in without.read_text(encoding="utf-8")
+    assert "data:audio" not in Page(reported(utterance_sound=False)).text
 
 
 @pytest.mark.usefixtures("with_timeline")
-def test_notes_stand_in_the_report_and_those_of_a_moment_on_its_time_axis(tmp_path, report_config):
+def test_notes_stand_in_the_report_and_those_of_a_moment_on_its_time_axis(tmp_path, reported):
     path = tmp_path / "s.mcap"
     write_session(path, duration=6.0, rate=50)
     add_note(path, Note("the light was\n<b>off</b>"))
     add_note(path, Note("a cough", 2.5))
-    text = write_report(SessionReader(path), tmp_path, report_config).page.read_text("utf-8")
-    rows = Page(text).rows
-    assert ["–", "the light was <b>off</b>"] in rows and ["2.5\u00a0s", "a cough"] in rows
-    assert '[2.5,"a cough","#1f2933"]' in text and "<b>off" not in text
+    page = Page(reported())
+    assert ["–", "the light was <b>off</b>"] in page.rows
+    assert ["2.5\u00a0s", "a cough"] in page.rows
+    assert '[2.5,"a cough","#1f2933"]' in page.text and "<b>off" not in page.text
 
 
 @pytest.mark.skipif(not BROWSER, reason="no Chromium: docker/apt-packages-dev.txt")

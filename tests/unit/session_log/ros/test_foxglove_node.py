@@ -58,6 +58,7 @@ def topics(monkeypatch, said):
 @pytest.fixture
 def listener(monkeypatch):
     """The place of a master that takes connections and never answers."""
+    monkeypatch.setattr(xmlrpc, "ANSWER_TIME", 0.02)  # after which it is given up
     with socket.create_server(("127.0.0.1", 0)) as listener:
         uri = f"http://127.0.0.1:{listener.getsockname()[1]}"
         monkeypatch.setenv("ROS_MASTER_URI", uri)
@@ -74,7 +75,7 @@ def master(monkeypatch):
 
     with SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False) as server:
         server.register_function(get_param, "getParam")
-        threading.Thread(target=server.serve_forever, daemon=True).start()
+        threading.Thread(target=server.serve_forever, args=(0.01,), daemon=True).start()
         monkeypatch.setenv("ROS_MASTER_URI", f"http://127.0.0.1:{server.server_address[1]}")
         yield parameters
         server.shutdown()

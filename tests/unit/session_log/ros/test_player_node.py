@@ -11,12 +11,12 @@ from session_log.mcap_file.reader import FileCondition, SessionReader
 from session_log.ros import player_node
 from session_log.types import Message, MessageSource
 from support.story import recording_of
-from tests.unit.session_log.support.foreign import write_foreign
+from tests.unit.session_log.support.foreign import NOW, write_foreign
 
 
 @pytest.mark.parametrize("is_there", [False, True])
-def test_without_file_or_master_it_ends_with_one_line(monkeypatch, tmp_path, story, is_there):
-    path = story[0] if is_there else tmp_path / "none.mcap"
+def test_without_file_or_master_it_ends_with_one_line(monkeypatch, tmp_path, is_there):
+    path = recording_of(tmp_path / "s.mcap").path if is_there else tmp_path / "none.mcap"
     monkeypatch.setattr(sys, "argv", ["play", str(path)])
     monkeypatch.setenv("ROS_MASTER_URI", "http://127.0.0.1:1")
     monkeypatch.setattr(player_node.rospy, "init_node", lambda *_, **__: pytest.fail("waits"))
@@ -27,8 +27,8 @@ def test_without_file_or_master_it_ends_with_one_line(monkeypatch, tmp_path, sto
 
 
 @pytest.mark.parametrize("uri", ["localhost:11311", "http://127.0.0.1:99999", ""])
-def test_a_master_uri_that_is_no_address_is_named(monkeypatch, story, uri):
-    monkeypatch.setattr(sys, "argv", ["play", str(story[0])])
+def test_a_master_uri_that_is_no_address_is_named(monkeypatch, tmp_path, uri):
+    monkeypatch.setattr(sys, "argv", ["play", str(recording_of(tmp_path / "s.mcap").path)])
     monkeypatch.setenv("ROS_MASTER_URI", uri)
     with pytest.raises(SystemExit) as end:
         player_node.main()
@@ -37,14 +37,13 @@ def test_a_master_uri_that_is_no_address_is_named(monkeypatch, story, uri):
     )
 
 
-NOON = 1_795_200_000 * 10**9  # [ns]
 SECOND = 10**9  # [ns]
 
 
 def player_of(path, seconds):
-    """A player of a recording with a message at each time after noon [s]."""
+    """A player of a recording with a message at each time after now [s]."""
     source = MessageSource("/t", "std_msgs/String", "99" * 16, "string data", "/p")
-    times = enumerate((NOON + round(s * SECOND) for s in seconds), 1)
+    times = enumerate((NOW + round(s * SECOND) for s in seconds), 1)
     session = recording_of(path, [Message(source, b"x", t, k) for k, t in times])
     return player_node.RecordingPlayer(session, 1.0, "/played", pytest.fail)
 

@@ -34,28 +34,32 @@ def hears(end, **changes):
     return utterance(ZERO + end, **changes)
 
 
+def say_sound(story, time, first, value=1, rate=16_000, count=BLOCK):
+    """A block of sound from a sample on, of this value throughout."""
+    fields = {"rate": rate, "first_sample": first, "samples": [value] * count}
+    story.say(time, "/voice_assist/audio", "voice_assist/AudioChunk", **fields)
+
+
 def play(story, begin, end, start=0.0, skip=()):
     """Sound of a run of the node that began at `start`; blocks of the session's time [s]."""
     for first in range(round(begin * 16_000) // BLOCK * BLOCK, round(end * 16_000), BLOCK):
         if first not in skip:
-            fields = {"rate": 16_000, "first_sample": first, "samples": [1] * BLOCK}
-            time = start + first / 16_000
-            story.say(time, "/voice_assist/audio", "voice_assist/AudioChunk", **fields)
+            say_sound(story, start + first / 16_000, first)
 
 
 def note(story, time, text):
     story.say(time, "/voice_assist/circumstances", "std_msgs/String", data=text)
 
 
-def write(path, story, facts=FACTS, settings=SETTINGS, drop=()):
-    """Write a session; messages with the given numbers in order of time are lost from the file."""
+def write(path, story, facts=FACTS, lost=(0.0, 0.0)):
+    """Write a session; what was said from the one time to the other is lost from the file [s]."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with SessionWriter(path) as writer:
         writer.add_metadata("session/voice_assist", facts)
-        writer.add_metadata("parameters", {"voice_assist": yaml.safe_dump(settings)})
+        writer.add_metadata("parameters", {"voice_assist": yaml.safe_dump(SETTINGS)})
         ordered = numbered(sorted(story.messages, key=lambda m: m.log_time))
-        for number, message in enumerate(ordered):
-            if number not in drop:
+        for message in ordered:
+            if not lost[0] <= (message.log_time - START) * 1e-9 < lost[1]:
                 writer.add(message)
                 writer.commit()
     return path

@@ -12,6 +12,7 @@ from session_log.report.session.tension import tension_with_target
 from support.message_classes import class_of
 from support.story import MOTION, OUTSIDE_UNTIL, SPEECH, Story, recording_of
 from tests.unit.session_log.support.foreign import write_foreign
+from tests.unit.session_log.support.voice_recording import say_sound
 
 
 @pytest.fixture
@@ -45,7 +46,7 @@ def test_the_rcm_error_is_unknown_while_the_tool_is_outside(data):
     assert (np.isnan(data.controller["rcm_error"]) == is_outside).all()
 
 
-def test_fast_topics_are_sampled_and_every_interval_is_kept(data, report_config):
+def test_fast_topics_are_sampled_and_every_interval_is_kept(data):
     duration = data.recording.duration
     assert len(data.tension) == pytest.approx(duration * 50, rel=0.02)
     assert len(data.joints) == pytest.approx(duration * 50, rel=0.02)
@@ -104,13 +105,8 @@ def test_messages_that_do_not_fit_are_counted_not_fatal(extracted):
 def test_many_pictures_are_thinned_over_the_whole_session(extracted):
     story = Story(duration=1.0)
     for k in range(200):
-        story.say(
-            k * 1.0,
-            "/robot/scene/compressed",
-            "sensor_msgs/CompressedImage",
-            format="png",
-            data=b"x",
-        )
+        topic, picture = "/robot/scene/compressed", {"format": "png", "data": b"x"}
+        story.say(k * 1.0, topic, "sensor_msgs/CompressedImage", **picture)
     times = [p.time for p in extracted(story.messages).pictures]
     assert 8 <= len(times) <= 16 and times[0] == 0.0 and times[-1] > 160.0
 
@@ -152,13 +148,18 @@ def test_what_came_of_a_call_to_a_device_is_kept(extracted):
     assert calls[1].time - calls[0].time == pytest.approx(1.0)
 
 
+def pull(story, time, force):
+    """What the sensor of the tension says [N]."""
+    wrench = class_of("geometry_msgs/WrenchStamped")().wrench
+    wrench.force.z = force
+    story.say(time, "/robot/tension", "geometry_msgs/WrenchStamped", wrench=wrench)
+
+
 @pytest.mark.parametrize("odd", [math.nan, math.inf, -math.inf])
 def test_a_force_that_is_no_number_is_left_out_and_the_others_kept(extracted, odd):
     story = Story()
-    for k, pull in enumerate((1.0, odd, 2.0)):
-        wrench = class_of("geometry_msgs/WrenchStamped")().wrench
-        wrench.force.z = pull
-        story.say(1.0 + k, "/robot/tension", "geometry_msgs/WrenchStamped", wrench=wrench)
+    for k, force in enumerate((1.0, odd, 2.0)):
+        pull(story, 1.0 + k, force)
     tension = extracted(story.messages).tension
     assert list(tension["time"]) == pytest.approx([0.0, 2.0])
     assert list(tension["tension"]) == [1.0, 2.0]
@@ -167,9 +168,7 @@ def test_a_force_that_is_no_number_is_left_out_and_the_others_kept(extracted, od
 def test_a_pull_between_two_samples_is_the_largest_tension(extracted):
     story = Story()
     for k in range(1000):  # at 1 kHz
-        wrench = class_of("geometry_msgs/WrenchStamped")().wrench
-        wrench.force.z = 12.0 if 503 <= k < 515 else 1.0
-        story.say(k / 1000, "/robot/tension", "geometry_msgs/WrenchStamped", wrench=wrench)
+        pull(story, k / 1000, 12.0 if 503 <= k < 515 else 1.0)
     for k in range(50):
         fields = {"state": "active", "tension": 1.0, "tension_target": 1.0}
         story.say(k / 50, "/rst_control/state", "rst_control/ControllerState", **fields)
@@ -215,17 +214,14 @@ def test_joint_states_without_positions_give_no_joints(extracted):
 
 def test_after_the_clock_was_set_back_fast_topics_are_taken_again(extracted):
     story = Story()
-    wrench = class_of("geometry_msgs/WrenchStamped")().wrench
-    wrench.force.z = 1.0
-    chunk = {"rate": 16000, "samples": [1] * 512}
     for begin in (0.0, -60.0):  # [s]
         for k in range(10):
             time = begin + 0.1 * k
-            story.say(time, "/robot/tension", "geometry_msgs/WrenchStamped", wrench=wrench)
+            pull(story, time, 1.0)
             joints = {"name": ARM, "position": [0.1, 0.2]}
             story.say(time, "/joint_states", "sensor_msgs/JointState", **joints)
             story.say(time, "/rst_control/state", "rst_control/ControllerState", state="active")
-            story.say(time, "/voice_assist/audio", "voice_assist/AudioChunk", **chunk)
+            say_sound(story, time, 0)
     data = extracted(story.messages)
     tables = (data.tension, data.joints, data.controller, data.sound)
     assert [len(table) for table in tables] == [20] * 4
@@ -267,8 +263,7 @@ def test_a_silent_controller_is_in_no_state(extracted, length):
 def test_the_voice_mode_ends_with_the_sound_unless_it_was_said_later(extracted, said, end):
     story = Story()
     for time in np.arange(0.0, 5.0, 0.1):
-        chunk = {"rate": 16000, "samples": [1] * 512}
-        story.say(time, "/voice_assist/audio", "voice_assist/AudioChunk", **chunk)
+        say_sound(story, time, 0)
     story.say(said, "/voice_assist/mode", "voice_assist/Mode", mode="active")
     story.say(20.0, "/voice_assist/device", "voice_assist/DeviceCall", phrase="light on")
     (span,) = extracted(sorted(story.messages, key=lambda message: message.log_time)).modes

@@ -18,6 +18,7 @@ from session_log.report.session.session_data import (
 )
 from session_log.report.session.shaft import is_moving, rcm_from_joints
 from support.story_script import TROCAR_CHANGE, URDF, joint_text
+from tests.unit.session_log.report.session.test_joint_peaks import MODEL
 
 ROOT = Path(__file__).resolve().parents[5]
 REAL = ROOT / "urdf" / "gen3_openrst.urdf"
@@ -67,12 +68,9 @@ def test_the_error_is_the_distance_from_the_active_trocar(data, report_config):
 
 def tilted(config, trocar, angle, **changes):
     """A session of one joint about x, whose shaft leans by an angle from the z axis."""
-    text = joint_text("turn", "revolute", "base_link", "interface_link", 0.0)
-    text = text.replace("xyz='0 0 1'", "xyz='1 0 0'")
-    text += joint_text("tip", "fixed", "interface_link", "tool_tip", 0.3)
     joints = SampledTable(("time", "turn"))
     joints.extend(np.array([0.0]), np.array([angle]))
-    parts = {"urdf": f"<robot>{text}</robot>", "joints": joints}
+    parts = {"urdf": MODEL, "joints": joints}
     parts["trocars"] = [RecordedTrocar(5.0, trocar, "base_link")]
     return rcm_from_joints(SessionData(RecordingSummary(None), **{**parts, **changes}), config)
 
