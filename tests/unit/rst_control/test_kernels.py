@@ -26,20 +26,10 @@ def check_again():
     kernels.drop_stale_code()
 
 
-def test_cached_code_goes_when_any_kernel_changes(package):
-    kernels.drop_stale_code()
-    code = package / "__pycache__" / "outer.nbc"
-    code.write_bytes(b"old")
-    check_again()
-    assert code.exists()
-    (package / "deep.py").write_text("@kernel\ndef inner(): return 2\n")
-    check_again()
-    assert not code.exists()
-
-
-def test_cached_code_in_a_folder_below_goes_when_a_kernel_that_it_calls_changes(package):
-    code = package / "below" / "__pycache__" / "outer.nbc"
-    code.parent.mkdir(parents=True)
+@pytest.mark.parametrize("folder", [".", "below"])
+def test_cached_code_goes_when_a_kernel_that_it_may_call_changes(package, folder):
+    code = package / folder / "__pycache__" / "outer.nbc"
+    code.parent.mkdir(parents=True, exist_ok=True)
     kernels.drop_stale_code()
     code.write_bytes(b"old")
     check_again()

@@ -30,6 +30,11 @@ class Clocked:
         return [self.limiter.admit(caller, is_stop) for _ in range(count)]
 
 
+@pytest.fixture
+def calls():
+    return Clocked()
+
+
 def test_with_the_settings_as_they_come_anybody_may_call():
     calls = Clocked(load_motion_config().controller.callers)
     for caller in (VOICE, "/rosservice_4711_1700000000000", "/my_panel", UNNAMED):
@@ -67,8 +72,7 @@ def test_a_pattern_that_can_fit_no_name_is_refused_with_what_is_allowed(pattern)
         load_config(CallersConfig, {"allowed": [pattern], "rate": 20.0, "burst": 50}, "here")
 
 
-def test_a_burst_is_taken_and_what_is_beyond_is_refused_with_the_limits_and_waits():
-    calls = Clocked()
+def test_a_burst_is_taken_and_what_is_beyond_is_refused_with_the_limits_and_waits(calls):
     admissions = calls.of("/panel", 60)
     assert [a.refusal is None for a in admissions] == [True] * 50 + [False] * 10
     assert "20 per second after 50 at once" in admissions[-1].refusal.words
@@ -78,26 +82,22 @@ def test_a_burst_is_taken_and_what_is_beyond_is_refused_with_the_limits_and_wait
     assert sum(a.refusal is None for a in calls.of("/panel", 60)) == 20
 
 
-def test_a_stop_is_never_refused_however_many_come():
-    calls = Clocked()
+def test_a_stop_is_never_refused_however_many_come(calls):
     assert all(a.refusal is None for a in calls.of("/panel", 2000, is_stop=True))
 
 
-def test_one_caller_who_floods_takes_nothing_from_another():
-    calls = Clocked()
+def test_one_caller_who_floods_takes_nothing_from_another(calls):
     calls.of("/flood", 2000)
     assert calls.limiter.admit(VOICE).refusal is None
 
 
-def test_nodes_started_anew_for_each_call_are_one_caller():
-    calls = Clocked()
+def test_nodes_started_anew_for_each_call_are_one_caller(calls):
     names = [f"/rosservice_{n}_{n * 1000}" for n in range(60)]
     assert sum(calls.limiter.admit(name).refusal is None for name in names) == 50
     assert family("/rosservice_12_345") == family("/rosservice_9_8") != family("/rosservice_x")
 
 
-def test_callers_without_end_are_not_remembered_without_end_and_known_ones_keep_their_budget():
-    calls = Clocked()
+def test_callers_without_end_are_not_remembered_without_end_and_known_ones_keep_their_budget(calls):
     calls.limiter.admit(VOICE)
     taken = 0
     for n in range(1000):
@@ -119,8 +119,7 @@ def test_a_flood_of_refusals_is_news_once_a_second():
     assert not calls.limiter.admit(VOICE).is_news
 
 
-def test_a_clock_that_goes_back_gives_nothing_away():
-    calls = Clocked()
+def test_a_clock_that_goes_back_gives_nothing_away(calls):
     calls.of("/panel", 50)
     calls.now -= 1000.0
     assert calls.limiter.admit("/panel").refusal.words

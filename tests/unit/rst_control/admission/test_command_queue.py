@@ -4,7 +4,7 @@ import pytest
 from rst_control.admission import command_queue
 from rst_control.admission.command_queue import CommandQueue
 from rst_control.commands.parser import MAX_ECHOED
-from rst_control.types import Cause, Reason, State
+from rst_control.types import Reason, State
 from tests.unit.rst_control.support.executor_rig import Rig
 
 
@@ -43,15 +43,13 @@ def test_commands_beyond_the_queue_are_refused_and_stop_is_never_queued():
 
 def test_a_command_verified_in_a_situation_that_has_changed_is_verified_again():
     rig = Rig().awake()
-    pending = rig.queue.take("tense", "test")
-    rig.queue.check(rig.queue.next(0.0))
-    rig.executor.stop(Cause(Reason.STOP_TOPIC, "in between"))
+    pending = rig.verified()
+    rig.stop()
     rig.tick()
     assert not pending.reply.result(0).accepted
     rig.say("hey robot")
 
-    pending = rig.queue.take("tense", "test")
-    rig.queue.check(rig.queue.next(0.0))
+    pending = rig.verified()
     rig.executor._setpoint_state.changes += 1
     rig.tick()
     assert not pending.reply.done()
@@ -92,12 +90,10 @@ def test_a_command_that_is_given_up_while_it_waits_is_not_planned():
 def test_a_command_that_is_given_up_before_the_control_loop_takes_it_is_not_carried_out(words):
     rig = Rig().awake()
     if words == "hey robot":
-        rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
+        rig.stop()
         rig.tick()
     before = rig.state
-    pending = rig.queue.take(words, "test")
-    if waiting := rig.queue.next(0.0) if words == "tense" else None:
-        rig.queue.check(waiting)
+    pending = rig.verified() if words == "tense" else rig.queue.take(words, "test")
     assert pending.reply.cancel()
     rig.run(0.01)
     assert rig.state is before

@@ -39,6 +39,11 @@ class Asked:
     def say(self, words, position=STILL):
         return self.first(request(words), at(position))
 
+    def confirm(self):
+        """Let a motion be shown and confirmed."""
+        self.say("tense")
+        return self.first.confirm()
+
     def set_off(self, words):
         decision = self.say(words)
         assert isinstance(decision, Accepted)
@@ -70,8 +75,7 @@ def test_what_is_refused_anyway_keeps_its_reason(asked):
 
 
 def test_confirmed_it_goes_and_nothing_asks_any_more(asked):
-    asked.say("tense")
-    assert asked.first.confirm().accepted
+    assert asked.confirm().accepted
     asked.set_off("tense")
     assert isinstance(asked.say("release", STILL + 1.0), Accepted)
     assert isinstance(asked.say("tense", STILL + 2.0), Accepted)
@@ -80,8 +84,7 @@ def test_confirmed_it_goes_and_nothing_asks_any_more(asked):
 
 
 def test_until_what_was_confirmed_has_set_off_it_alone_may_come_again(asked):
-    asked.say("tense")
-    asked.first.confirm()
+    asked.confirm()
     assert isinstance(asked.say("tense"), Accepted)
     assert isinstance(asked.say("tense"), Accepted)  # verified again: the situation had changed
     assert None not in asked.shown
@@ -91,8 +94,7 @@ def test_until_what_was_confirmed_has_set_off_it_alone_may_come_again(asked):
 
 
 def test_what_was_confirmed_is_shown_again_where_the_trocar_changes_before_it_sets_off(asked):
-    asked.say("tense")
-    asked.first.confirm()
+    asked.confirm()
     assert isinstance(asked.say("tense"), Accepted)
     asked.context = object()
     assert asked.say("tense").reason is Reason.NOT_CONFIRMED
@@ -105,8 +107,7 @@ def test_a_confirmed_motion_that_a_stop_outruns_frees_no_other(is_stopped):
     rig.queue = CommandQueue(rig.executor, first, lambda: rig.now)
     assert "dry run" in rig.refused("tense")
     assert first.confirm().accepted
-    pending = rig.queue.take("tense", "test")
-    rig.queue.check(rig.queue.next(0.0))
+    pending = rig.verified()
     if is_stopped:
         rig.queue.take("stop", "test")
     rig.run(0.01)
@@ -128,8 +129,7 @@ def test_nothing_can_be_confirmed_before_it_was_shown(asked):
 
 
 def test_another_command_than_the_one_shown_is_shown_first(asked):
-    asked.say("tense")
-    asked.first.confirm()
+    asked.confirm()
     assert isinstance(asked.say("release"), Rejected)
     assert isinstance(asked.say("tense"), Rejected)  # the confirmation was for what was shown then
     asked.first.confirm()
@@ -137,16 +137,14 @@ def test_another_command_than_the_one_shown_is_shown_first(asked):
 
 
 def test_another_place_than_where_it_was_shown_is_shown_first(asked):
-    asked.say("tense")
-    asked.first.confirm()
+    asked.confirm()
     moved = STILL.copy()
     moved[3] = 0.01
     assert isinstance(asked.say("tense", moved), Rejected)
 
 
 def test_with_another_trocar_or_grasp_point_the_path_is_shown_again(asked):
-    asked.say("tense")
-    asked.first.confirm()
+    asked.confirm()
     asked.context = object()
     assert asked.say("tense").reason is Reason.NOT_CONFIRMED
     assert len(asked.shown) == 2
@@ -155,7 +153,6 @@ def test_with_another_trocar_or_grasp_point_the_path_is_shown_again(asked):
 
 
 def test_a_confirmation_does_not_hold_for_ever(asked):
-    asked.say("tense")
-    asked.first.confirm()
+    asked.confirm()
     asked.now = VALID_FOR + 1.0
     assert isinstance(asked.say("tense"), Rejected)

@@ -39,7 +39,7 @@ def clock():
 
 
 def test_a_recorder_that_is_lost_is_named_at_once_and_its_own_last_words_are_kept():
-    watch = RecordingWatch(RecordingConfig(on_loss="stop", heartbeat_age=2.0), lambda: 10.0)
+    watch = watch_of("stop", lambda: 10.0)
     watch.heard("/recorder", "")
     watch.lost("/recorder", "was stopped")
     assert watch.problem == "/recorder: recorder was stopped"

@@ -4,7 +4,6 @@
 import numpy as np
 import pytest
 
-from bench.motion.bullet.witness import BulletWitness
 from bench.motion.insertion import situation
 from rst_control.commands.camera_step import CAMERA_STEPS, STEPS, picture, step_goal
 from rst_control.commands.table import COMMANDS
@@ -20,12 +19,6 @@ SINGLE = 2e-6  # [m] of PyBullet's single precision, over the length of the arm
 ROUND = tuple(c for c in CAMERA_STEPS if not STEPS[c.phrase][2])  # the eight directions
 OPPOSITE = {tuple(np.negative(step)): phrase for phrase, step in STEPS.items()}
 BACK = {c: COMMANDS[OPPOSITE[STEPS[c.phrase]]] for c in CAMERA_STEPS}
-
-
-@pytest.fixture(scope="module")
-def witness(motion_config):
-    with BulletWitness(motion_config) as made:
-        yield made
 
 
 def ask(verify, command, q):
@@ -177,10 +170,15 @@ def test_steps_on_and_on_end_with_a_refusal_and_never_a_drift(verify, planner, h
 # In the running executor.
 
 
-def test_eight_directions_and_back_by_voice_keep_the_trocar():
+def empty_handed():
+    """An active rig whose jaws meet no tissue."""
     rig = Rig()
     rig.robot.tissue = None
-    rig.awake()
+    return rig.awake()
+
+
+def test_eight_directions_and_back_by_voice_keep_the_trocar():
+    rig = empty_handed()
     first, worst = rig.joints.copy(), 0.0
     for command in (*ROUND, COMMANDS["look closer"]):
         for words in (command.phrase, BACK[command].phrase):
@@ -200,16 +198,12 @@ def test_eight_directions_and_back_by_voice_keep_the_trocar():
 
 
 def test_stop_in_the_middle_brakes_on_the_way_and_latches():
-    rig = Rig()
-    rig.robot.tissue = None
-    rig.awake().say("look up left")
+    rig = empty_handed()
+    rig.say("look up left")
     rig.until(lambda: rig.phase == "look" and rig.view.motion.progress > 0.4)
-    worst = 0.0
     rig.give("stop")
-    while rig.state is State.STOPPING:
-        rig.tick()
-        worst = max(worst, rig.view.trocar_pose.error)
-    assert rig.state is State.HALTED and worst < 1e-6
+    assert rig.worst_error_until(lambda: rig.state is not State.STOPPING) < 1e-6
+    assert rig.state is State.HALTED
     assert 0.3 < rig.view.path_position / rig.view.path.length < 0.9
     assert rig.still_for(0.2)
     assert "halted" in rig.refused("look right")
@@ -226,8 +220,7 @@ def test_a_camera_step_needs_hey_robot_an_inserted_tool_and_empty_jaws():
 
 
 def test_another_camera_step_waits_until_the_first_is_done():
-    rig = Rig()
-    rig.robot.tissue = None
-    rig.awake().say("look left")
+    rig = empty_handed()
+    rig.say("look left")
     rig.run(0.05)
     assert "busy" in rig.refused("look left")

@@ -37,14 +37,6 @@ class NudgeRig(Rig):
     def record(self, verify):
         self.queue = CommandQueue(self.executor, verify, lambda: self.now, TABLE)
 
-    def worst_error_until(self, condition):
-        """Largest distance of the shaft from the trocar until then [m]."""
-        worst = 0.0
-        while not condition():
-            self.tick()
-            worst = max(worst, self.view.trocar_pose.error)
-        return worst
-
 
 @pytest.fixture
 def rig():

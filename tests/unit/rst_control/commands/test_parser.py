@@ -45,6 +45,7 @@ def test_amounts_that_make_no_sense_are_refused_and_never_reach_a_planner(name, 
         ("release", {"tension": 0.5}, '"release" takes no tension, not 0.5 N'),
         ("look up", {"distance": 0.01}, '"look up" takes no distance, not 0.01 m'),
         ("pull more", {"tension": 0.5, "distance": 0.002}, "takes one step, not 0.5 N, 2 mm"),
+        ("pull more 2 mm", {"distance": 0.003}, "2 mm in words and another beside them"),
     ],
 )
 def test_amounts_beside_the_words_are_refused_with_their_value(phrase, amounts, said):
@@ -86,12 +87,6 @@ def test_an_amount_may_stand_behind_the_words(words, tension, distance):
 def test_an_amount_that_a_command_cannot_take_is_refused_by_name(words, said):
     refusal = read_request(words)
     assert (refusal.reason, refusal.words) == (Reason.BAD_AMOUNT, said)
-
-
-def test_an_amount_is_given_once():
-    refusal = read_request("pull more 2 mm", distance=0.003)
-    assert refusal.reason is Reason.BAD_AMOUNT
-    assert "2 mm in words and another beside them" in refusal.words
 
 
 @pytest.mark.parametrize("words", ["pull more 2", "pull more mm", "pull more 2 mm now", "2 mm"])

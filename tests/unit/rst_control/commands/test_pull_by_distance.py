@@ -33,6 +33,12 @@ def verify(planner):
     return with_tension(planner, source="none", blind_stiffness=200.0)
 
 
+@pytest.fixture(scope="module")
+def plan(trusted, home):
+    """The plan that grasped: where the tissue is held does not depend on what is measured."""
+    return trusted(request("tense"), situation(robot_joints(home, 0.0))).plan
+
+
 def held(plan, s, **more):
     """Tissue held, pulled so far [m]."""
     grasp = replace(plan.grasp, s=s, tension=None)
@@ -59,8 +65,7 @@ def test_tense_takes_a_shorter_pull_and_refuses_a_longer_one(verify, joints):
     assert "pulled 12.0 mm, allowed 0 to 5.0 mm" in long.words
 
 
-def test_steps_are_distances_and_end_at_the_largest_tension_of_the_stiffest_tissue(verify, joints):
-    plan = verify(request("tense"), situation(joints)).plan
+def test_steps_are_distances_and_end_at_the_largest_tension_of_the_stiffest_tissue(verify, plan):
     more = verify(request("pull more"), held(plan, 0.005)).plan.phases[-1]
     assert (more.tension, more.target) == (None, pytest.approx(0.005 + 0.25 / 200.0))
     last = verify(request("pull more"), held(plan, 0.00875))
@@ -70,24 +75,21 @@ def test_steps_are_distances_and_end_at_the_largest_tension_of_the_stiffest_tiss
     assert "allowed 0 to 10.0 mm" in further.words
 
 
-def test_a_step_in_newtons_becomes_its_distance(verify, joints):
-    plan = verify(request("tense"), situation(joints)).plan
+def test_a_step_in_newtons_becomes_its_distance(verify, plan):
     more = verify(request("pull more", tension=0.5), held(plan, 0.004)).plan.phases[-1]
     assert more.target == pytest.approx(0.004 + 0.5 / 200.0)
     huge = verify(request("pull more", distance=0.007), held(plan, 0.004))
     assert huge.reason is Reason.DISPLACEMENT_LIMIT
 
 
-def test_pull_less_is_never_refused_for_having_gone_too_far(verify, joints):
-    plan = verify(request("tense"), situation(joints)).plan
+def test_pull_less_is_never_refused_for_having_gone_too_far(verify, plan):
     less = verify(request("pull less"), held(plan, 0.015))
     assert less.plan.phases[-1].target == pytest.approx(0.015 - 0.25 / 200.0)
     assert verify(request("pull less"), held(plan, 0.0005)).reason is Reason.DISPLACEMENT_LIMIT
 
 
-def test_a_tension_that_is_not_trusted_is_not_used(verify, joints):
+def test_a_tension_that_is_not_trusted_is_not_used(verify, plan):
     """Its slope would forbid the step, were it believed."""
-    plan = verify(request("tense"), situation(joints)).plan
     assert isinstance(verify(request("pull more"), held(plan, 0.002, tension=1.9)), Accepted)
 
 
@@ -111,12 +113,10 @@ def test_torques_are_judged_once_the_tissue_is_held(motion_config, planner, join
 
 def test_refusals_of_tension_still_hold(verify, joints):
     assert verify(request("tense", tension=2.2), situation(joints)).reason is Reason.TENSION_LIMIT
-    assert np.isfinite(verify(request("tense"), situation(joints)).plan.phases[-1].target)
 
 
-def test_the_way_counts_from_where_the_tissue_was_grasped(verify, joints):
+def test_the_way_counts_from_where_the_tissue_was_grasped(verify, plan):
     """Not from where a pull was planned anew."""
-    plan = verify(request("tense"), situation(joints)).plan
     near = replace(held(plan, 0.0), pulled=0.008)
     assert verify(request("pull more"), near).plan.phases[-1].target == pytest.approx(0.00125)
     assert verify(request("pull more"), replace(near, pulled=0.0090)).reason is (
@@ -124,8 +124,7 @@ def test_the_way_counts_from_where_the_tissue_was_grasped(verify, joints):
     )
 
 
-def test_where_nobody_saw_the_grasp_nothing_is_pulled_by_distance(verify, joints):
-    plan = verify(request("tense"), situation(joints)).plan
+def test_where_nobody_saw_the_grasp_nothing_is_pulled_by_distance(verify, plan):
     unseen = replace(held(plan, 0.002), pulled=np.inf)
     refused = verify(request("pull more"), unseen)
     assert refused.reason is Reason.DISPLACEMENT_LIMIT and "release first" in refused.words
@@ -134,8 +133,7 @@ def test_where_nobody_saw_the_grasp_nothing_is_pulled_by_distance(verify, joints
     assert too_much.reason is Reason.DISPLACEMENT_LIMIT and "release first" in too_much.words
 
 
-def test_no_refusal_speaks_of_a_bound_below_nothing(verify, joints):
-    plan = verify(request("tense"), situation(joints)).plan
+def test_no_refusal_speaks_of_a_bound_below_nothing(verify, plan):
     beyond = replace(held(plan, 0.0), pulled=0.012)  # 2 mm more than allowed without a tension
     refused = verify(request("pull more"), beyond)
     assert "pulled 13.2 mm, allowed 0 to 10.0 mm" in refused.words
@@ -146,9 +144,8 @@ def test_no_refusal_speaks_of_a_bound_below_nothing(verify, joints):
 
 
 @pytest.mark.parametrize("step", [{}, {"distance": 0.005}])
-def test_a_pull_that_was_planned_anew_ends_where_the_first_one_would(trusted, joints, step):
+def test_a_pull_that_was_planned_anew_ends_where_the_first_one_would(trusted, plan, step):
     """With a trusted tension, too; else tissue was pulled by the whole path once more."""
-    plan = trusted(request("tense"), situation(joints)).plan
     anew = replace(held(plan, 0.010, tension=0.5), grasp=None, pulled=0.010)
     more = trusted(request("pull more", **step), anew).plan.phases[-1]
     assert more.start == 0.0
@@ -159,25 +156,22 @@ def test_a_pull_that_was_planned_anew_ends_where_the_first_one_would(trusted, jo
 
 
 @pytest.mark.parametrize("step", [{}, {"distance": 0.001}])
-def test_with_a_trusted_tension_nothing_is_pulled_whose_grasp_nobody_saw(trusted, joints, step):
-    plan = trusted(request("tense"), situation(joints)).plan
+def test_with_a_trusted_tension_nothing_is_pulled_whose_grasp_nobody_saw(trusted, plan, step):
     unseen = replace(held(plan, 0.0, tension=0.5), grasp=None, pulled=np.inf)
     refused = trusted(request("pull more", **step), unseen)
     assert refused.reason is Reason.DISPLACEMENT_LIMIT
     assert refused.words == "nobody saw where the tissue was grasped; release first"
 
 
-def test_the_last_step_to_the_end_of_the_path_is_taken(trusted, joints):
+def test_the_last_step_to_the_end_of_the_path_is_taken(trusted, plan):
     """Also where the tip is a hair off its place on the path."""
-    plan = trusted(request("tense"), situation(joints)).plan
     near = replace(held(plan, 0.025, tension=0.1), pulled=0.025 + 1e-6)
     last = trusted(request("pull more", distance=plan.grasp.pull.length - 0.025), near)
     assert isinstance(last, Accepted), last
 
 
-def test_three_steps_back_undo_one_three_times_as_long(verify, joints):
+def test_three_steps_back_undo_one_three_times_as_long(verify, plan):
     """0.3 less three times 0.1 is a hair below nothing."""
-    plan = verify(request("tense"), situation(joints)).plan
     s = 0.3e-3
     for _ in range(3):
         decision = verify(request("pull less", distance=0.1e-3), held(plan, s))
@@ -226,8 +220,7 @@ def test_with_an_unchecked_gain_no_pull_goes_further_than_the_stiffest_tissue_be
     )
 
 
-def test_the_way_counts_from_the_grasp_also_where_the_arm_was_pushed_since(unchecked, joints):
-    plan = unchecked(request("tense"), situation(joints)).plan
+def test_the_way_counts_from_the_grasp_also_where_the_arm_was_pushed_since(unchecked, plan):
     pushed = replace(held(plan, 0.0, tension=0.5), pulled=0.008)
     assert unchecked(request("pull more"), pushed).plan.phases[-1].target == pytest.approx(0.004)
     unseen = replace(pushed, pulled=np.inf)

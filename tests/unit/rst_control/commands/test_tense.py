@@ -11,7 +11,7 @@ from rst_control.commands.request import Accepted
 from rst_control.commands.tense import choose_grasp
 from rst_control.commands.verifier import Verifier, reason_of
 from rst_control.errors import NoGrasp, OutsideWorkspace, Unreachable
-from rst_control.kinematics.configuration import Configuration, robot_joints
+from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.rotations import turned
 from rst_control.planning.plan import PhaseKind
 from rst_control.planning.planner import Planner
@@ -134,13 +134,15 @@ def test_the_controller_starts_if_any_way_is_free(planner, scene, monkeypatch, f
             chooser.warm_up()
 
 
-def test_where_no_way_is_free_the_refusal_names_the_reason_of_the_best(planner, scene, home):
+def test_where_no_way_is_free_the_refusal_names_the_reason_of_the_best(
+    planner, scene, home, joints
+):
     far = replace(scene, workspace_radius=0.012)
     chooser = planner_of(planner, far)
     with pytest.raises(NoGrasp, match=r"of 12 ways .* workspace centre, allowed 12\.0") as caught:
         choose_grasp(chooser, home)
     assert isinstance(caught.value.reasons[0], OutsideWorkspace)
-    decision = Verifier(chooser)(request("tense"), at_home(home))
+    decision = Verifier(chooser)(request("tense"), situation(joints))
     assert decision.reason is Reason.WORKSPACE
     assert 'cannot "tense": none of' in decision.words
 
@@ -157,8 +159,8 @@ def test_the_refusal_counts_all_ways_tried_and_names_the_reasons_of_the_best_thr
     assert reason_of(error) is reason
 
 
-def test_tense_is_planned_without_any_direction_in_the_scene(planner, scene, home):
-    decision = Verifier(planner_of(planner, scene))(request("tense", 0.5), at_home(home))
+def test_tense_is_planned_without_any_direction_in_the_scene(planner, scene, joints):
+    decision = Verifier(planner_of(planner, scene))(request("tense", 0.5), situation(joints))
     assert isinstance(decision, Accepted)
     assert decision.plan.phases[-1].kind is PhaseKind.PULL
     assert decision.plan.phases[-1].tension == 0.5
@@ -170,16 +172,11 @@ def test_a_direction_that_is_none_is_refused_at_start(motion_config, value):
         replace(motion_config.scene, jaw_axis=value)
 
 
-def at_home(home):
-    return situation(robot_joints(home, 0.0))
-
-
 @pytest.mark.parametrize(("why", "is_refused"), [("", True), ("no zero yet", False)])
-def test_a_high_tension_refuses_it_only_where_it_is_trusted(planner, home, why, is_refused):
-    force = np.array([0.0, 0.0, -(planner.config.controller.tension.limit + 0.2)])
-    at_rest = situation(robot_joints(home, 0.0))
-    measured = replace(at_rest.measurement, force=force, tension_invalid_reason=why)
-    decision = Verifier(planner)(request("tense"), replace(at_rest, measurement=measured))
+def test_a_high_tension_refuses_it_only_where_it_is_trusted(planner, joints, why, is_refused):
+    high = planner.config.controller.tension.limit + 0.2
+    here = situation(joints, tension=high, tension_invalid_reason=why)
+    decision = Verifier(planner)(request("tense"), here)
     assert isinstance(decision, Accepted) is not is_refused, decision
     if is_refused:
         assert decision.reason is Reason.TENSION_LIMIT

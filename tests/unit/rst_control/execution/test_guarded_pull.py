@@ -42,6 +42,18 @@ class SpringTissue:
     def tension(self) -> float:
         return self.stiffness * self.run.state.s
 
+    def misread(self, bias: float, seconds: float = PERIOD) -> None:
+        """Pull for a moment in which the sensor is off by a bias [N]."""
+        self.bias = bias
+        self.pull(seconds)
+        self.bias = 0.0
+
+    def finish(self) -> float:
+        """Pull to the end; the tension there [N]."""
+        self.pull()
+        assert self.run.is_done
+        return self.tension
+
     def pull(self, seconds: float = 20.0) -> None:
         for _ in range(round(seconds / PERIOD)):
             self.now += PERIOD
@@ -57,25 +69,19 @@ class SpringTissue:
 @pytest.mark.parametrize("stiffness", [50.0, 100.0, 200.0])
 def test_it_stops_at_the_tension_asked_for_though_that_is_late(stiffness: float) -> None:
     tissue = SpringTissue(stiffness, goal=1.0)
-    tissue.pull()
-    assert tissue.run.is_done
-    assert tissue.tension == pytest.approx(1.0, abs=0.05)
+    assert tissue.finish() == pytest.approx(1.0, abs=0.05)
 
 
 @pytest.mark.parametrize("when", [0.0, 0.1, 0.5, 1.0])
 def test_one_reading_that_is_far_too_high_stops_it_for_a_check_and_no_longer(when: float) -> None:
     tissue = SpringTissue(100.0, goal=1.0)
     tissue.pull(when)
-    tissue.bias = 1.0
-    tissue.pull(PERIOD)
-    tissue.bias = 0.0
+    tissue.misread(1.0)
     tissue.pull(0.2)
     held = tissue.run.state.s
     tissue.pull(0.05)
     assert tissue.run.state.s == held and not tissue.run.is_done
-    tissue.pull()
-    assert tissue.run.is_done
-    assert tissue.tension == pytest.approx(1.0, abs=0.05)
+    assert tissue.finish() == pytest.approx(1.0, abs=0.05)
 
 
 def test_a_tension_that_stays_high_ends_the_pull_where_it_rose() -> None:
@@ -90,9 +96,7 @@ def test_a_tension_that_stays_high_ends_the_pull_where_it_rose() -> None:
 def test_a_stop_during_the_check_ends_it() -> None:
     tissue = SpringTissue(100.0, goal=1.0)
     tissue.pull(0.5)
-    tissue.bias = 1.0
-    tissue.pull(PERIOD)
-    tissue.bias = 0.0
+    tissue.misread(1.0)
     tissue.run.brake()
     tissue.pull(0.5)
     assert tissue.run.is_done
@@ -102,34 +106,22 @@ def test_a_stop_during_the_check_ends_it() -> None:
 def test_easing_that_one_low_reading_stops_goes_on() -> None:
     tissue = SpringTissue(200.0, goal=0.5, start=0.006)
     tissue.pull(0.2)
-    tissue.bias = -1.0
-    tissue.pull(PERIOD)
-    tissue.bias = 0.0
-    tissue.pull()
-    assert tissue.run.is_done
-    assert tissue.tension == pytest.approx(0.5, abs=0.18)
+    tissue.misread(-1.0)
+    assert tissue.finish() == pytest.approx(0.5, abs=0.18)
 
 
 @pytest.mark.parametrize("start", [0.006, 0.009])
 def test_easing_goes_on_where_the_first_reading_is_far_too_low(start: float) -> None:
     tissue = SpringTissue(100.0, goal=0.4, start=start)
-    tissue.bias = -1.0
-    tissue.pull(0.025)
-    tissue.bias = 0.0
-    tissue.pull()
-    assert tissue.run.is_done
-    assert tissue.tension == pytest.approx(0.4, abs=0.1)
+    tissue.misread(-1.0, 0.025)
+    assert tissue.finish() == pytest.approx(0.4, abs=0.1)
 
 
 @pytest.mark.parametrize("bias", [0.5, -0.5])
 def test_with_tissue_held_a_wrong_first_reading_turns_no_pull_round(bias: float) -> None:
     tissue = SpringTissue(100.0, goal=1.0, start=0.006)
-    tissue.bias = bias
-    tissue.pull(0.025)
-    tissue.bias = 0.0
-    tissue.pull()
-    assert tissue.run.is_done
-    assert tissue.tension == pytest.approx(1.0, abs=0.1)
+    tissue.misread(bias, 0.025)
+    assert tissue.finish() == pytest.approx(1.0, abs=0.1)
 
 
 def test_it_is_so_slow_that_the_stiffest_tissue_rises_by_the_tolerance_within_the_delay() -> None:
@@ -141,9 +133,7 @@ def test_it_is_so_slow_that_the_stiffest_tissue_rises_by_the_tolerance_within_th
 
 def test_tissue_five_times_stiffer_than_expected_is_not_pulled_to_twice_the_tension() -> None:
     tissue = SpringTissue(1000.0, goal=1.0)
-    tissue.pull()
-    assert tissue.run.is_done
-    assert tissue.tension < 2.0
+    assert tissue.finish() < 2.0
 
 
 def test_it_eases_to_a_lower_tension() -> None:

@@ -47,6 +47,7 @@ def test_states_that_stop_coming_end_the_pull_below_the_limit(stiffness, tension
     rig.robot.freeze()
     assert most_felt(rig, 0.5) < rig.config.controller.tension.limit
     assert rig.state is State.FAULTED
+    assert pending.ended.result(0).kind == "failed"
     assert "stale" in pending.ended.result(0).message
 
 
@@ -155,8 +156,7 @@ def test_faults_and_pushes_lengthen_no_pull():
 def test_a_pull_with_an_outlying_first_reading_is_watched_like_any_other(first):
     rig = Rig(100.0).awake().believing()
     rig.finish("tense")
-    pending = rig.queue.take("pull more", "test")
-    rig.queue.check(rig.queue.next(0.0))
+    pending = rig.verified("pull more")
     reading(rig, first or rig.view.tension)
     rig.tick()
     assert pending.reply.result(0).accepted and rig.state is State.MOVING

@@ -3,7 +3,7 @@
 
 import pytest
 
-from rst_control.types import Cause, Reason, State
+from rst_control.types import State
 from tests.unit.rst_control.support.executor_rig import Rig
 
 
@@ -14,7 +14,7 @@ def asked(rig, count=1):
 def test_a_hey_robot_that_came_before_a_stop_does_not_clear_it():
     rig = Rig().run(0.01)
     (pending,) = asked(rig)
-    rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
+    rig.stop()
     rig.tick()
     assert rig.state is State.HALTED
     assert "stopped meanwhile" in pending.reply.result(0).message
@@ -25,7 +25,7 @@ def test_a_hey_robot_that_came_before_a_stop_does_not_clear_it():
 def test_nor_do_many_that_take_more_than_one_tick():
     rig = Rig().run(0.01)
     pending = asked(rig, count=10)
-    rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
+    rig.stop()
     for _ in range(5):
         rig.tick()
         assert rig.state is State.HALTED
@@ -35,7 +35,7 @@ def test_nor_do_many_that_take_more_than_one_tick():
 def test_one_that_came_after_the_stop_was_taken_up_clears_it():
     rig = Rig().run(0.01)
     asked(rig, count=10)
-    rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
+    rig.stop()
     rig.tick()
     (later,) = asked(rig)
     rig.run(0.01)

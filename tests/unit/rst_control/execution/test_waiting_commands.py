@@ -3,22 +3,13 @@
 
 import pytest
 
-from rst_control.types import Cause, Reason, State
+from rst_control.types import Reason, State
 from tests.unit.rst_control.support.executor_rig import Rig
 
-
-def stop(rig):
-    rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
-
-
-def lose_the_robot(rig):
-    rig.executor.crashed(RuntimeError("test"))
-
-
 ENDS = {
-    "a stop": stop,
+    "a stop": Rig.stop,
     "terminate": lambda rig: rig.say("terminate"),
-    "a fault": lose_the_robot,
+    "a fault": lambda rig: rig.executor.crashed(RuntimeError("test")),
 }
 
 
@@ -40,9 +31,8 @@ def test_what_was_given_before_never_begins(end):
 
 def test_nor_does_what_was_verified_and_waits_for_its_tick():
     rig = Rig().awake()
-    pending = rig.queue.take("tense", "test")
-    rig.queue.check(rig.queue.next(0.0))
-    stop(rig)
+    pending = rig.verified()
+    rig.stop()
     rig.queue.take("hey robot", "test")
     rig.run(0.1)
     rig.say("hey robot")
@@ -57,11 +47,10 @@ def test_nor_does_what_was_verified_and_waits_for_its_tick():
 def test_a_stop_and_a_command_in_the_same_tick_hold_in_either_order(is_stop_first):
     rig = Rig().awake()
     if is_stop_first:
-        stop(rig)
-    pending = rig.queue.take("tense", "test")
-    rig.queue.check(rig.queue.next(0.0))
+        rig.stop()
+    pending = rig.verified()
     if not is_stop_first:
-        stop(rig)
+        rig.stop()
     rig.run(0.1)
     assert rig.state is State.HALTED and rig.still_for(0.2)
     while (waiting := rig.queue.next(0.0)) is not None:

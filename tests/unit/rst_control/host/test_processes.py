@@ -30,14 +30,17 @@ def server():
         process.kill()
 
 
+def process_of_self():
+    with socket.create_server(("127.0.0.1", 0)) as own:
+        return process_of(os.getpid(), own.getsockname()[1])
+
+
 def becomes(process, words):
     wait_until(lambda: process.state() == words, words or "running")
 
 
 def test_one_that_runs_is_well_whether_it_works_or_waits(server):
-    waiting = process_of(server[0].pid, server[1])
-    with socket.create_server(("127.0.0.1", 0)) as own:
-        working = process_of(os.getpid(), own.getsockname()[1])
+    waiting, working = process_of(server[0].pid, server[1]), process_of_self()
     for _ in range(100):
         assert waiting.state() == working.state() == ""
 
@@ -61,11 +64,6 @@ def test_one_that_was_killed_has_ended_before_and_after_its_parent_waits_for_it(
 def test_another_with_the_same_number_is_not_taken_for_it():
     own = process_of_self()
     assert Process(own.pid, own.started + "0").state() == ENDED
-
-
-def process_of_self():
-    with socket.create_server(("127.0.0.1", 0)) as own:
-        return process_of(os.getpid(), own.getsockname()[1])
 
 
 def test_who_does_not_listen_there_is_not_believed(server):

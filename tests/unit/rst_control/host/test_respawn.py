@@ -20,6 +20,8 @@ with open(sys.argv[1], "a+") as file:
     count = len(file.readlines())
 """
 
+QUICK = "from rst_control.host import respawn; respawn.PAUSE = 0.0; respawn.main()"
+
 
 def command(tmp_path, then):
     return sys.executable, "-I", "-S", "-c", COUNTED + then, str(tmp_path / "runs")
@@ -78,8 +80,7 @@ if count <= {respawn.MOST + 1}:
 os.kill(os.getppid(), signal.SIGINT)
 signal.pause()
 """
-    program = "from rst_control.host import respawn; respawn.PAUSE = 0.0; respawn.main()"
-    words = (sys.executable, "-c", program, "--always", *command(tmp_path, ends))
+    words = (sys.executable, "-c", QUICK, "--always", *command(tmp_path, ends))
     subprocess.run(words, env=with_paths(), timeout=PATIENCE, check=False)
     assert len(pids(tmp_path)) == respawn.MOST + 2
 
@@ -101,9 +102,8 @@ def test_a_command_is_needed(monkeypatch, capsys, words):
 
 def kept(tmp_path):
     """A keeper in a process of its own, whose command waits."""
-    program = "from rst_control.host.respawn import main; main()"
-    words = command(tmp_path, "signal.pause()")
-    process = subprocess.Popen((sys.executable, "-c", program, *words), env=with_paths())
+    words = (sys.executable, "-c", QUICK, *command(tmp_path, "signal.pause()"))
+    process = subprocess.Popen(words, env=with_paths())
     wait_until(lambda: pids(tmp_path))
     return process
 
@@ -120,18 +120,12 @@ def is_alive(pid):
         return False
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_who_is_asked_to_end_ends_with_what_it_keeps(tmp_path, number):
+@pytest.mark.parametrize(
+    "number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL], ids=lambda number: number.name
+)
+def test_who_is_asked_to_end_or_killed_ends_with_what_it_keeps(tmp_path, number):
     process = kept(tmp_path)
     process.send_signal(number)
-    process.wait(PATIENCE)
-    (child,) = pids(tmp_path)
-    wait_until(lambda: not is_alive(child))
-
-
-def test_what_a_killed_keeper_kept_ends_with_it(tmp_path):
-    process = kept(tmp_path)
-    process.kill()
     process.wait(PATIENCE)
     (child,) = pids(tmp_path)
     wait_until(lambda: not is_alive(child))

@@ -49,6 +49,22 @@ PUBLISHED_JOINT = {  # ActuatorConfig.SafetyIdentifier
 }
 
 
+def manual(connection):
+    """Velocities that one of the connections sends."""
+    return ArmReport(ArmState.SERVOING_MANUALLY_CONTROLLED, connection, 0.0)
+
+
+def says(hardware, report, seconds=0.1, way=None):
+    """The fault of the bridge after the arm has said something for a while."""
+    hardware.report = report
+    hardware.advance(seconds, way)
+    return hardware.bridge.fault(hardware.now)
+
+
+def cause_of(hardware, *said):
+    return robot_fault(says(hardware, *said))
+
+
 @pytest.mark.parametrize(("bit", "name"), PUBLISHED_BASE.items())
 def test_a_bit_of_the_base_has_its_published_name(bit, name):
     assert replace(READY, base=Banks(bit)).faults == [f"base: {name}"]
@@ -110,9 +126,7 @@ def test_every_state_is_judged():
 
 @pytest.mark.parametrize(("state", "reason"), STATES.items(), ids=str)
 def test_only_an_arm_that_is_ready_may_be_led(hardware, state, reason):
-    hardware.report = ArmReport(state, 1, 0.0)
-    hardware.advance(0.1)
-    fault = hardware.bridge.fault(hardware.now)
+    fault = says(hardware, ArmReport(state, 1, 0.0))
     assert (robot_fault(fault).reason if fault else None) is reason
 
 
@@ -125,33 +139,25 @@ JOINT_4 = ArmReport(
 
 
 def test_a_fault_at_rest_latches_and_is_named(hardware):
-    hardware.report = JOINT_4
-    hardware.advance(0.1)
-    hardware.report = READY
-    hardware.advance(0.1)
-    cause = robot_fault(hardware.bridge.fault(hardware.now))
+    says(hardware, JOINT_4)
+    cause = cause_of(hardware, READY)
     assert cause.reason is Reason.ARM_FAULT
     assert "joint_4: maximum torque" in cause.words
     assert not hardware.stops  # it rests, and others may have a hand on it
 
 
 def test_a_fault_that_lasts_is_not_cleared_by_asking_and_is_once_it_is_gone(hardware):
-    hardware.report = JOINT_4
-    hardware.advance(0.1)
+    says(hardware, JOINT_4)
     hardware.bridge.clear_fault(hardware.now)
     assert hardware.clears == 1
-    hardware.advance(0.1)
-    assert "maximum torque" in hardware.bridge.fault(hardware.now)
-    hardware.report = READY
-    hardware.advance(0.1)
-    assert hardware.bridge.fault(hardware.now) == ""
+    assert "maximum torque" in says(hardware, JOINT_4)
+    assert says(hardware, READY) == ""
 
 
 def test_a_fault_that_lasted_is_cleared_by_asking_again(hardware):
     """The emergency stop was still pressed when "hey robot" was said for the first time."""
-    hardware.report = JOINT_4
     for count in (1, 2):
-        hardware.advance(0.1)
+        says(hardware, JOINT_4)
         hardware.bridge.clear_fault(hardware.now)
         assert hardware.clears == count
 
@@ -162,8 +168,7 @@ def test_an_arm_that_is_in_fault_from_the_start_is_asked_to_clear_it(hardware, k
     bridge = Bridge(kinova, arm)
     bridge.on_arm_report(arm.report)  # before any joint state
     bridge = arm.ready(kinova)
-    arm.advance(0.1)
-    assert "maximum torque" in bridge.fault(arm.now)
+    assert "maximum torque" in says(arm, JOINT_4)
     bridge.clear_fault(arm.now)
     assert arm.clears == 1
 
@@ -177,10 +182,8 @@ def test_an_arm_without_a_fault_is_not_asked_to_clear_one(hardware):
 def test_a_fault_in_motion_stops_the_arm_at_once_and_is_named_rightly(hardware, way):
     hardware.advance(2.0, way)
     assert hardware.bridge.lead is Lead.COURSE
-    hardware.report = JOINT_4
     hardware.blocked = set(range(7))  # it brakes by itself
-    hardware.advance(0.2, way)
-    cause = robot_fault(hardware.bridge.fault(hardware.now))
+    cause = cause_of(hardware, JOINT_4, 0.2, way)
     assert cause.reason is Reason.ARM_FAULT
     assert "joint_4: maximum torque" in cause.words
     assert hardware.stops
@@ -189,8 +192,7 @@ def test_a_fault_in_motion_stops_the_arm_at_once_and_is_named_rightly(hardware, 
 def test_velocities_of_the_bridge_itself_are_no_other_hand(hardware, way):
     def report():
         is_led = hardware.bridge.lead is not Lead.NOBODY
-        state = ArmState.SERVOING_MANUALLY_CONTROLLED if is_led else ArmState.SERVOING_READY
-        hardware.report = ArmReport(state, 7, 0.0)
+        hardware.report = manual(7) if is_led else replace(READY, connection=7)
 
     hardware.each = report
     hardware.advance(6.0, way)
@@ -203,12 +205,8 @@ def test_velocities_of_the_bridge_itself_are_no_other_hand(hardware, way):
 
 def test_another_connection_that_takes_the_arm_in_motion_stops_it(hardware, way):
     hardware.advance(1.0, way)
-    hardware.report = ArmReport(ArmState.SERVOING_MANUALLY_CONTROLLED, 7, 0.0)
-    hardware.advance(0.5, way)
-    assert hardware.bridge.fault(hardware.now) == ""
-    hardware.report = ArmReport(ArmState.SERVOING_MANUALLY_CONTROLLED, 8, 0.0)
-    hardware.advance(0.2, way)
-    cause = robot_fault(hardware.bridge.fault(hardware.now))
+    assert says(hardware, manual(7), 0.5, way) == ""
+    cause = cause_of(hardware, manual(8), 0.2, way)
     assert cause.reason is Reason.ARM_IN_USE
     assert "connection 8" in cause.words
     assert hardware.stops
@@ -216,11 +214,9 @@ def test_another_connection_that_takes_the_arm_in_motion_stops_it(hardware, way)
 
 def test_velocities_of_the_driver_long_after_a_motion_are_another_hand(hardware, way):
     hardware.advance(1.0, way)
-    hardware.report = ArmReport(ArmState.SERVOING_MANUALLY_CONTROLLED, 7, 0.0)
-    hardware.advance(0.2, way)
+    says(hardware, manual(7), 0.2, way)
     hardware.bridge.hold(hardware.now)
-    hardware.advance(3.0)
-    assert robot_fault(hardware.bridge.fault(hardware.now)).reason is Reason.ARM_IN_USE
+    assert cause_of(hardware, manual(7), 3.0).reason is Reason.ARM_IN_USE
 
 
 def test_an_arm_that_never_reports_its_state_is_not_led_and_the_setting_is_named(hardware):

@@ -21,6 +21,19 @@ ARGUMENTS = (
 )
 
 
+@pytest.fixture
+def refused(capsys):
+    """Starts with options that must be refused; gives the words."""
+
+    def start(*options):
+        with pytest.raises(SystemExit) as ended:
+            main(["--emergency-stop", "true", *ARGUMENTS, *options])
+        assert ended.value.code == 2
+        return capsys.readouterr().err
+
+    return start
+
+
 def test_what_is_complete_may_start():
     words = check(True, False, TROCAR, LIMITS, SCENE, 0.1)
     assert words == "the real robot, limits kinova, speeds times 0.1"
@@ -82,24 +95,18 @@ def test_a_limits_file_that_is_none_is_refused(tmp_path):
         check(True, False, TROCAR, SCENE, SCENE, 0.1)
 
 
-def test_home_is_checked_with_the_tool_that_is_described(tmp_path, capsys):
+def test_home_is_checked_with_the_tool_that_is_described(tmp_path, refused):
     urdf = tmp_path / "beside.urdf"
     urdf.write_text(tool_beside(0.01))
     with pytest.raises(NotReady, match=r"leads the shaft 10\.\d mm past the trocar"):
         check(True, False, TROCAR, LIMITS, SCENE, 0.1, urdf)
     (tmp_path / "text.urdf").write_text("no robot")
     for name, words in (("text.urdf", "URDF"), ("none.urdf", "No such file")):
-        with pytest.raises(SystemExit) as ended:
-            main(["--emergency-stop", "true", *ARGUMENTS, "--urdf", str(tmp_path / name)])
-        assert ended.value.code == 2
-        assert words in capsys.readouterr().err
+        assert words in refused("--urdf", str(tmp_path / name))
 
 
-def test_the_launch_hears_of_it_by_the_exit_status(capsys):
-    with pytest.raises(SystemExit) as ended:
-        main(["--emergency-stop", "false", *ARGUMENTS])
-    assert ended.value.code == 2
-    assert "does not start" in capsys.readouterr().err
+def test_the_launch_hears_of_it_by_the_exit_status(refused, capsys):
+    assert "does not start" in refused("--emergency-stop", "false")
     main(["--emergency-stop", "true", *ARGUMENTS])
     assert "the real robot" in capsys.readouterr().out
 
@@ -114,12 +121,9 @@ def test_the_launch_hears_of_it_by_the_exit_status(capsys):
         ("--dry-run", "dry_run"),
     ],
 )
-def test_a_switch_that_says_neither_true_nor_false_is_refused(capsys, option, name, value):
-    with pytest.raises(SystemExit) as ended:
-        main(["--emergency-stop", "true", *ARGUMENTS, option, value])
-    assert ended.value.code == 2
+def test_a_switch_that_says_neither_true_nor_false_is_refused(refused, option, name, value):
     words = f"kinova.launch does not start: {name} is '{value}', allowed: true or false"
-    assert capsys.readouterr().err.strip() == words
+    assert refused(option, value).strip() == words
 
 
 @pytest.mark.parametrize("value", ["True", "TRUE", "False", "FALSE"])

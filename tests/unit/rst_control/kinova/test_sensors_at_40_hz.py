@@ -53,6 +53,13 @@ def objection(stream):
     return ""
 
 
+def with_positions(m, joints, values):
+    """The same states, but for where some joints are [rad]."""
+    position = m.position.copy()
+    position[joints] = values
+    return replace(m, position=position)
+
+
 @pytest.mark.parametrize("rate", [0.0, 0.001, 0.01, 0.1, 0.4])
 def test_good_states_are_believed(rate):
     assert objection(states(rate, 10.0)) == ""
@@ -71,10 +78,7 @@ def test_a_joint_that_freezes_is_named(rate, joint):
     def spoil(k, m):
         if k < 60:
             held[:] = [m.position[joint]]
-            return m
-        position = m.position.copy()
-        position[joint] = held[0]
-        return replace(m, position=position)
+        return with_positions(m, joint, held[0])
 
     name = ["joint_1", "joint_7", "joint_pitch"][[0, 6, 7].index(joint)]
     assert name in objection(states(rate, 10.0, spoil))
@@ -82,9 +86,7 @@ def test_a_joint_that_freezes_is_named(rate, joint):
 
 def test_a_joint_that_jumps_is_named():
     def spoil(k, m):
-        position = m.position.copy()
-        position[2] += 0.06 * (k >= 100)
-        return replace(m, position=position)
+        return with_positions(m, 2, m.position[2] + 0.06 * (k >= 100))
 
     assert "joint_3 jumped" in objection(states(0.1, 5.0, spoil))
 
@@ -101,27 +103,28 @@ def closing(opening, rate):
     return lambda time: max(opening, 0.2 - rate * max(0.0, time - 0.5))
 
 
+def astray(seconds, jaws, sent):
+    """States of jaws, with the set-points of jaws that were sent elsewhere."""
+    both = states(0.0, seconds, jaws=jaws), states(0.0, seconds, jaws=sent)
+    return [(m, setpoint) for (m, _), (_, setpoint) in zip(*both, strict=True)]
+
+
 @pytest.mark.parametrize("rate", [0.02, 0.045, 0.45])
 def test_jaws_that_tissue_keeps_open_are_not_frozen_however_slowly_they_close(rate):
-    stuck = states(0.0, 14.0, jaws=closing(0.04, rate))
-    commanded = states(0.0, 14.0, jaws=closing(0.0, rate))
-    pairs = [(m, setpoint) for (m, _), (_, setpoint) in zip(stuck, commanded, strict=True)]
+    pairs = astray(14.0, closing(0.04, rate), closing(0.0, rate))
     assert planning_joints(pairs[-1][0].position)[1] > planning_joints(pairs[-1][1])[1] + 0.03
     assert objection(pairs) == ""
 
 
 def test_jaws_that_do_not_open_are_found():
-    stuck = states(0.0, 6.0, jaws=lambda time: 0.1)
-    commanded = states(0.0, 6.0, jaws=lambda time: 0.1 + 0.2 * max(0.0, time - 1.0))
-    pairs = [(m, setpoint) for (m, _), (_, setpoint) in zip(stuck, commanded, strict=True)]
+    pairs = astray(6.0, lambda time: 0.1, lambda time: 0.1 + 0.2 * max(0.0, time - 1.0))
     assert "joint_finger" in objection(pairs)
 
 
 def test_jaws_that_freeze_while_the_wrist_turns_are_found_with_tissue_between_them_too():
-    def spoil(k, m):
-        position = m.position.copy()
-        position[8:] = 0.02
-        return replace(m, position=position)
-
-    stream = states(0.1, 8.0, spoil, jaws=lambda time: 0.0, gripped=True)
-    assert "joint_finger" in objection(stream)
+    stuck = states(
+        *(0.1, 8.0, lambda k, m: with_positions(m, slice(8, None), 0.02)),
+        jaws=lambda time: 0.0,
+        gripped=True,
+    )
+    assert "joint_finger" in objection(stuck)

@@ -14,6 +14,7 @@ from rst_control.planning.collision import CollisionModel, Plane
 from rst_control.planning.planner import Planner
 from rst_control.trajectory.path import Path
 from rst_control.types import Reason, Rejected
+from tests.support.changed_settings import changed
 from tests.unit.rst_control.support.situations import request, situation
 
 # Postures with the shaft near the arm, found by drawing; grasping a little further on brings it
@@ -44,10 +45,6 @@ def crowded(config, robot, q, depth=0.16):
     return replace(config, scene=scene)
 
 
-def with_clearance(config, clearance):
-    return replace(config, collision=replace(config.collision, clearance=clearance))
-
-
 def tense(config, robot, q):
     here = situation(robot_joints(np.array(q), 0.0))
     return Verifier(Planner(robot, config))(request("tense"), here)
@@ -75,7 +72,7 @@ def test_a_way_that_brings_the_shaft_near_the_arm_is_refused_with_names_and_numb
 
 @pytest.mark.parametrize("q", [BESIDE_THE_UPPER_ARM, BESIDE_THE_SHOULDER])
 def test_the_same_way_is_accepted_where_less_distance_will_do(motion_config, robot, q):
-    config = with_clearance(crowded(motion_config, robot, q), 0.001)
+    config = changed(crowded(motion_config, robot, q), collision={"clearance": 0.001})
     assert isinstance(tense(config, robot, q), Accepted)
 
 
@@ -83,8 +80,9 @@ def test_a_robot_that_stands_too_near_already_plans_nothing_but_opening_the_jaws
     motion_config, robot, model
 ):
     q = np.array(BESIDE_THE_UPPER_ARM)
-    need = model.clearance(q).distance + 0.001
-    verify = Verifier(Planner(robot, with_clearance(crowded(motion_config, robot, q), need)))
+    need = {"clearance": model.clearance(q).distance + 0.001}
+    config = changed(crowded(motion_config, robot, q), collision=need)
+    verify = Verifier(Planner(robot, config))
     joints = robot_joints(q, 0.0)
     held = situation(joints, gripped=True, tension=1.0)
     for words in ("pull more", "pull less"):
@@ -120,22 +118,21 @@ def test_a_session_through_another_trocar_is_not_refused(planner, home, seed):
     other.retreat(last.end)
 
 
-def test_a_table_too_high_under_the_arm_is_named_and_can_be_taken_away(motion_config, robot, home):
-    collision = replace(motion_config.collision, table_height=0.25)
-    decision = tense(replace(motion_config, collision=collision), robot, home)
+@pytest.mark.parametrize(
+    ("table", "away"),
+    [
+        ({"table_height": 0.25}, {"has_table": False}),
+        # behind x = 0.45 m
+        ({"table_normal": (-2.0, 0.0, 0.0), "table_height": -0.45}, {"table_height": -1.0}),
+    ],
+    ids=["too high under the arm", "of an arm on a wall"],
+)
+def test_a_table_in_the_way_is_named_and_can_be_taken_away(motion_config, robot, home, table, away):
+    near = changed(motion_config, collision=table)
+    decision = tense(near, robot, home)
     assert decision.reason is Reason.COLLISION
     assert "mm from table, allowed 15.0 mm" in decision.words
-    free = replace(collision, has_table=False)
-    assert isinstance(tense(replace(motion_config, collision=free), robot, home), Accepted)
-
-
-def test_the_table_of_an_arm_on_a_wall_stands_where_its_normal_says(motion_config, robot, home):
-    wall = replace(motion_config.collision, table_normal=(-2.0, 0.0, 0.0), table_height=-0.45)
-    decision = tense(replace(motion_config, collision=wall), robot, home)  # x above 0.45 m
-    assert decision.reason is Reason.COLLISION
-    assert "from table, allowed 15.0 mm" in decision.words
-    free = replace(wall, table_height=-1.0)
-    assert isinstance(tense(replace(motion_config, collision=free), robot, home), Accepted)
+    assert isinstance(tense(changed(near, collision=away), robot, home), Accepted)
 
 
 def test_the_height_over_a_tilted_plane_is_that_of_the_lowest_point(motion_config, robot, home):

@@ -5,7 +5,6 @@ from math import nan
 import numpy as np
 import pytest
 
-from bench.motion.bullet.witness import BulletWitness
 from rst_control.kinematics.configuration import Configuration
 from rst_control.planning.patient_surface import NOWHERE, Patient, TrocarPose
 
@@ -16,12 +15,6 @@ WATCHED = 0.5  # of the margin
 @pytest.fixture(scope="module")
 def patient(planner):
     return planner.patient
-
-
-@pytest.fixture(scope="module")
-def witness(motion_config):
-    with BulletWitness(motion_config) as witness:
-        yield witness
 
 
 def anywhere(planner, count, seed):

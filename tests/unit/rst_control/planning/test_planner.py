@@ -75,8 +75,13 @@ def test_reaching_again_and_again_ends_in_the_same_joints(planner, home, at_gras
         q = planner.retreat(planner.pull(q).end).end
 
 
-def test_a_shaft_slightly_off_the_trocar_is_put_back_first(planner, home):
-    off = home + 5e-4 * np.eye(9)[3]
+@pytest.fixture
+def off(home):
+    """Slightly off the trocar."""
+    return home + 5e-4 * np.eye(9)[3]
+
+
+def test_a_shaft_slightly_off_the_trocar_is_put_back_first(planner, off):
     seat, *rest = planner.reach(off)
     np.testing.assert_array_equal(seat.start, off)
     assert rcm_state(Configuration(planner.model, seat.end), planner.trocar).error < 1e-9
@@ -85,17 +90,16 @@ def test_a_shaft_slightly_off_the_trocar_is_put_back_first(planner, home):
     assert len(rest) == 2
 
 
-def test_a_way_back_that_does_not_end_in_the_trocar_is_refused(planner, home, monkeypatch):
-    off = home + 5e-4 * np.eye(9)[3]
-    monkeypatch.setattr(planner, "project", lambda q: q + 0.1 * (home - off))
-    with pytest.raises(TrocarDrift, match=r"um off the trocar, allowed 1\.00 um"):
-        planner.seat(off)
-
-
-def test_a_way_back_that_leads_further_off_is_refused(planner, home, monkeypatch):
-    off = home + 5e-4 * np.eye(9)[3]
-    monkeypatch.setattr(planner, "project", lambda q: q - (home - off))
-    with pytest.raises(TrocarDrift, match="um off the trocar, allowed"):
+@pytest.mark.parametrize(
+    ("share", "words"),
+    [(0.1, r"um off the trocar, allowed 1\.00 um"), (-1.0, "um off the trocar, allowed")],
+    ids=["ends outside the trocar", "leads further off"],
+)
+def test_a_way_back_that_does_not_lead_into_the_trocar_is_refused(
+    planner, home, off, monkeypatch, share, words
+):
+    monkeypatch.setattr(planner, "project", lambda q: q + share * (home - off))
+    with pytest.raises(TrocarDrift, match=words):
         planner.seat(off)
 
 

@@ -47,9 +47,13 @@ def setting(rig=None):
     return GraspSetting(rig or Rig().awake())
 
 
+@pytest.fixture
+def here():
+    return setting()
+
+
 @pytest.mark.parametrize("aside", [-0.008, 0.008])
-def test_tense_takes_the_tissue_at_the_point_that_was_set(aside):
-    here = setting()
+def test_tense_takes_the_tissue_at_the_point_that_was_set(here, aside):
     point = here.node(aside=aside)
     assert "grasp point (" in here.accepted(point)
     entry = here.rig.executor.events[-1]
@@ -58,33 +62,28 @@ def test_tense_takes_the_tissue_at_the_point_that_was_set(aside):
     np.testing.assert_allclose(planner.T_base_grasp[:3, 3], point)
 
 
-def test_setting_moves_nothing_and_keeps_a_latch():
-    here = setting()
+def test_setting_moves_nothing_and_keeps_a_latch(here):
     here.rig.say("stop")
     here.accepted(here.node(aside=0.008))
     assert here.rig.still_for(0.3) and here.rig.state is State.HALTED
 
 
-def test_beside_the_tissue_it_is_refused():
-    here = setting()
+def test_beside_the_tissue_it_is_refused(here):
     assert "mm from a node" in here.refused(here.first + np.array([0.0, 0.02, 0.0]))
     assert "mm from a node" in here.refused(here.first + np.array([0.0, 0.0, 0.01]))
 
 
-def test_deep_inside_the_sheet_it_is_refused():
-    here = setting()
+def test_deep_inside_the_sheet_it_is_refused(here):
     assert "inside the nearest free edge" in here.refused(here.node(down=0.030))
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-def test_what_is_no_number_is_refused(bad):
-    here = setting()
+def test_what_is_no_number_is_refused(here, bad):
     found = f"coordinates [{bad}, 0.0, 0.3] m, allowed: finite numbers"
     assert found in here.refused([bad, 0.0, 0.3])
 
 
-def test_where_a_limit_would_be_broken_it_is_refused_with_the_limit():
-    here = setting()
+def test_where_a_limit_would_be_broken_it_is_refused_with_the_limit(here):
     current = here.rig.context.current
     scene = replace(current.config.scene, workspace_radius=0.034)  # just about the first point
     here.rig.context.current = TrocarContext(replace(current.config, scene=scene), current.model)
@@ -98,8 +97,7 @@ def test_while_moving_it_is_refused(phase):
     assert here.refused(here.node(aside=0.008)) == "moving; wait until the robot is at rest"
 
 
-def test_what_was_planned_on_another_trocar_is_not_set():
-    here = setting()
+def test_what_was_planned_on_another_trocar_is_not_set(here):
     trocar = TrocarRegistrar(here.rig.context, here.rig.executor)
     first = trocar.ask(here.rig.context.current.trocar + 1e-4, "/other")
     second = here.registrar.ask(here.node(aside=0.008), "/test")
@@ -110,8 +108,7 @@ def test_what_was_planned_on_another_trocar_is_not_set():
     assert "set meanwhile" in second.result(0).message
 
 
-def test_the_way_of_the_pull_is_set_with_the_point():
-    here = setting()
+def test_the_way_of_the_pull_is_set_with_the_point(here):
     point = here.node(aside=0.008)
     reply = here.ask([*point, 0.2, 0.0, 2.0])
     assert reply.accepted and "pulled along (0.100, 0.000, 0.995)" in reply.message
@@ -122,13 +119,11 @@ def test_the_way_of_the_pull_is_set_with_the_point():
 
 
 @pytest.mark.parametrize("pull", [(0.0, 0.0, 0.0), (np.nan, 0.0, 1.0)])
-def test_a_way_of_the_pull_that_is_none_is_refused(pull):
-    here = setting()
+def test_a_way_of_the_pull_that_is_none_is_refused(here, pull):
     assert "pull direction" in here.refused([*here.node(aside=0.008), *pull])
 
 
-def test_who_set_it_and_when_is_known():
-    here = setting()
+def test_who_set_it_and_when_is_known(here):
     assert here.rig.context.grasp_origin.source == "scene.yaml"
     here.rig.run(1.0)
     here.accepted(here.node(aside=0.008))
@@ -177,8 +172,7 @@ def test_shown_where_no_tissue_is_it_is_refused():
     assert here.point == before
 
 
-def test_shown_while_tissue_is_held_it_is_refused():
-    here = setting()
+def test_shown_while_tissue_is_held_it_is_refused(here):
     here.rig.finish("tense")
     assert "release first" in here.rig.refused("grasp here")
 
@@ -213,8 +207,7 @@ def reported(here, grasp, point, seconds=0.7, pull=()):
     return [answer.result(0) for answer in answers if answer is not None]
 
 
-def test_a_tracked_point_is_set_once_it_is_steady():
-    here = setting()
+def test_a_tracked_point_is_set_once_it_is_steady(here):
     point = here.node(aside=0.008)
     (reply,) = reported(here, follower(here), point, pull=(0.0, 0.0, 1.0))
     assert reply.accepted, reply.message
@@ -223,8 +216,7 @@ def test_a_tracked_point_is_set_once_it_is_steady():
     assert here.scene.pull_direction == (0.0, 0.0, 1.0)
 
 
-def test_a_refusal_is_reported_once_and_holds_until_the_situation_changes():
-    here = setting()
+def test_a_refusal_is_reported_once_and_holds_until_the_situation_changes(here):
     beside = here.first + np.array([0.0, 0.02, 0.0])
     grasp = follower(here)
     (reply,) = reported(here, grasp, beside)
@@ -238,8 +230,7 @@ def test_a_refusal_is_reported_once_and_holds_until_the_situation_changes():
     assert not again.accepted
 
 
-def test_a_refusal_is_reported_no_longer_once_the_point_is_active_by_another_way(monkeypatch):
-    here = setting()
+def test_a_refusal_is_reported_no_longer_once_the_point_is_active_by_another_way(here, monkeypatch):
     beside = here.first + np.array([0.0, 0.02, 0.0])
     grasp = follower(here)
     reported(here, grasp, beside)
@@ -250,8 +241,7 @@ def test_a_refusal_is_reported_no_longer_once_the_point_is_active_by_another_way
     assert grasp.objection(here.rig.now) is None
 
 
-def test_a_point_that_a_person_sets_after_the_tracked_one_stays():
-    here = setting()
+def test_a_point_that_a_person_sets_after_the_tracked_one_stays(here):
     grasp, point, other = follower(here), here.node(aside=0.008), here.node(aside=0.004)
     (reply,) = reported(here, grasp, point)
     assert reply.accepted, reply.message
@@ -260,8 +250,7 @@ def test_a_point_that_a_person_sets_after_the_tracked_one_stays():
     np.testing.assert_allclose(here.point, other, atol=1e-9)
 
 
-def test_another_way_of_the_pull_alone_is_taken():
-    here = setting()
+def test_another_way_of_the_pull_alone_is_taken(here):
     grasp, point = follower(here), here.node(aside=0.008)
     for pull in ((0.0, 0.0, 1.0), (-0.3, 0.0, 1.0)):
         (reply,) = reported(here, grasp, point, pull=pull)
@@ -276,11 +265,9 @@ def test_in_motion_a_tracked_point_is_not_asked_for(phase):
     assert reported(here, follower(here), here.node(aside=0.008), seconds=0.1) == []
 
 
-def test_a_tracked_point_is_only_watched_unless_it_is_to_be_taken():
-    here = setting()
+def test_a_tracked_point_is_only_watched_unless_it_is_to_be_taken(here):
     assert reported(here, follower(here, is_taken=False), here.node(aside=0.008)) == []
 
 
-def test_near_the_point_that_counts_nothing_is_set():
-    here = setting()
+def test_near_the_point_that_counts_nothing_is_set(here):
     assert reported(here, follower(here), here.first + 4e-4) == []

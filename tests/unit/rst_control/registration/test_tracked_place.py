@@ -13,24 +13,28 @@ from rst_control.types import Cause, Reason
 
 CONFIG = load_motion_config().controller.tracking
 HOME = np.array([0.4, 0.0, 0.3])
+BESIDE = HOME + np.array([0.0, 0.005, 0.0])
 PERIOD = 0.02
 
 
-def after(places, place):
-    """What follows a place after reports at 50 Hz, and the time of the last."""
-    now = 5.0
-    for each in places:
+def reported(place, now, places, pulls=None):
+    """The time after reports at 50 Hz to what follows a place."""
+    for each, pull in zip(places, pulls or [()] * len(places), strict=True):
         now += PERIOD
-        place.update(Report(np.array(each), now))
-    return place, now
+        place.update(Report(np.array(each), now, pull, arrived=now))
+    return now
 
 
 def steady(places):
-    return after(places, SteadyPlace(CONFIG.grasp_point, CONFIG.age, HOME))
+    """A follower of the grasp point after such reports, and the time of the last."""
+    place = SteadyPlace(CONFIG.grasp_point, CONFIG.age, HOME)
+    return place, reported(place, 5.0, places)
 
 
 def tracked(places):
-    return after(places, TrackedTrocar(CONFIG, HOME))
+    """As much of the trocar."""
+    trocar = TrackedTrocar(CONFIG, HOME)
+    return trocar, reported(trocar, 5.0, places)
 
 
 def refused(found, reason, words):
@@ -111,12 +115,10 @@ def test_a_stamp_ahead_of_time_is_refused():
 
 
 def test_a_jump_is_refused_until_the_place_is_steady_again():
-    place, now = steady([HOME] * 60 + [HOME + np.array([0.0, 0.005, 0.0])])
+    place, now = steady([HOME] * 60 + [BESIDE])
     refused(place.taken(now), Reason.TRACKER_JUMPED, "went 5.0 mm")
-    for _ in range(60):
-        now += PERIOD
-        place.update(Report(HOME + np.array([0.0, 0.005, 0.0]), now))
-    np.testing.assert_allclose(place.taken(now).place, HOME + np.array([0.0, 0.005, 0.0]))
+    now = reported(place, now, [BESIDE] * 60)
+    np.testing.assert_allclose(place.taken(now).place, BESIDE)
 
 
 @pytest.mark.parametrize("away", [0.2, np.nan, np.inf])
@@ -133,18 +135,14 @@ def test_one_report_that_is_no_number_is_a_jump():
 @pytest.mark.parametrize("flips", [[0], [3], [0, 3]])
 def test_a_way_of_the_pull_that_flips_is_a_jump(flips):
     place, now = steady([HOME] * 60)
-    for number in range(5):
-        now += PERIOD
-        way = (0.0, 0.6, -0.8) if number in flips else (0.0, 0.0, 1.0)
-        place.update(Report(HOME, now, way))
+    ways = [(0.0, 0.6, -0.8) if number in flips else (0.0, 0.0, 1.0) for number in range(5)]
+    now = reported(place, now, [HOME] * 5, ways)
     refused(place.taken(now), Reason.TRACKER_JUMPED, "way of the pull turned")
 
 
 def test_a_steady_way_of_the_pull_is_taken():
     place, now = steady([HOME] * 60)
-    for number in range(60):
-        now += PERIOD
-        place.update(Report(HOME, now, (0.02 * (number % 2), 0.0, 1.0)))
+    now = reported(place, now, [HOME] * 60, [(0.0, 0.0, 1.0), (0.02, 0.0, 1.0)] * 30)
     assert place.taken(now).pull == (0.02, 0.0, 1.0)
 
 
@@ -194,11 +192,10 @@ def test_silence_is_an_objection():
 
 
 def test_a_jump_is_an_objection_until_reports_have_been_good_for_a_while():
-    trocar, now = tracked([HOME] * 60 + [HOME + np.array([0.0, 0.005, 0.0])])
+    trocar, now = tracked([HOME] * 60 + [BESIDE])
     refused(trocar.objection(now), Reason.TRACKER_JUMPED, "jumped by 5.0 mm")
     for number in range(15):
-        now += PERIOD
-        trocar.update(Report(HOME + np.array([0.0, 0.005, 0.0]), now))
+        now = reported(trocar, now, [BESIDE])
         if number * PERIOD < CONFIG.age:
             assert trocar.objection(now) is not None
     assert trocar.objection(now) is None
@@ -221,20 +218,12 @@ def test_an_older_report_changes_nothing():
     assert trocar.objection(now) is None
 
 
-def reported(place, now, count):
-    """The time after so many reports of the same place."""
-    for _ in range(count):
-        now += PERIOD
-        place.update(Report(HOME, now, arrived=now))
-    return now
-
-
 def test_one_report_from_the_future_does_not_shut_out_those_after_it():
     """A tracker's clock that was an hour ahead for one report: the trocar counts again."""
     trocar, now = tracked([HOME] * 60)
     trocar.update(Report(HOME, now + 3600.0, arrived=now))
     refused(trocar.objection(now), Reason.TRACKER_STALE, "3600.00 s ahead")
-    now = reported(trocar, now, 15)
+    now = reported(trocar, now, [HOME] * 15)
     assert trocar.objection(now) is None
     np.testing.assert_allclose(trocar.shift(now)[0], np.zeros(3), atol=1e-9)
 
@@ -243,5 +232,5 @@ def test_a_grasp_point_is_steady_again_after_one_report_from_the_future():
     place, now = steady([HOME] * 60)
     place.update(Report(HOME, now + 3600.0, arrived=now))
     refused(place.taken(now), Reason.TRACKER_STALE, "3600.00 s ahead")
-    now = reported(place, now, 60)
+    now = reported(place, now, [HOME] * 60)
     np.testing.assert_allclose(place.taken(now).place, HOME)

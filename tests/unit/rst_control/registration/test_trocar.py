@@ -40,6 +40,11 @@ def setting(rig=None):
     return TrocarSetting(rig or Rig().awake())
 
 
+@pytest.fixture
+def here():
+    return setting()
+
+
 @pytest.mark.parametrize("make", [lambda: Rig().run(0.01), lambda: Rig().awake()])
 def test_at_rest_a_trocar_on_the_shaft_is_accepted_with_its_distance(make):
     here = setting(make())
@@ -50,29 +55,25 @@ def test_at_rest_a_trocar_on_the_shaft_is_accepted_with_its_distance(make):
     assert here.rig.view.rcm_error == pytest.approx(4e-4, rel=1e-6)
 
 
-def test_setting_moves_nothing():
-    here = setting()
+def test_setting_moves_nothing(here):
     here.accepted(here.place(aside=9e-4))
     assert here.rig.still_for(0.5)
     assert here.rig.state is State.ACTIVE
 
 
-def test_after_a_stop_the_trocar_may_be_set_and_the_latch_stays():
-    here = setting()
+def test_after_a_stop_the_trocar_may_be_set_and_the_latch_stays(here):
     here.rig.say("stop")
     here.accepted(here.place(aside=3e-4))
     assert here.rig.state is State.HALTED
 
 
-def test_a_shaft_further_off_than_the_tolerance_is_refused_with_both_numbers():
-    here = setting()
+def test_a_shaft_further_off_than_the_tolerance_is_refused_with_both_numbers(here):
     message = here.refused(here.place(aside=1.01e-3))
     assert "shaft 1.010 mm off it, allowed 1.000 mm" in message
     here.accepted(here.place(aside=0.99e-3))
 
 
-def test_a_point_that_is_not_on_the_inserted_part_is_refused_with_the_depth():
-    here = setting()
+def test_a_point_that_is_not_on_the_inserted_part_is_refused_with_the_depth(here):
     assert "17.8 mm of shaft inserted, allowed 50.0 to 250.0 mm" in here.refused(
         here.place(along=0.080366716231936 + TINY)
     )
@@ -99,16 +100,14 @@ def test_while_braking_it_is_refused():
     assert here.refused(here.place()) == "stopping; wait until the robot is at rest"
 
 
-def test_while_tissue_is_held_it_is_refused_and_after_release_it_is_not():
-    here = setting()
+def test_while_tissue_is_held_it_is_refused_and_after_release_it_is_not(here):
     here.rig.finish("tense")
     assert "tissue is held" in here.refused(here.place(aside=2e-4))
     here.rig.finish("release")
     here.accepted(here.place(aside=2e-4))
 
 
-def test_a_joint_that_still_turns_is_named():
-    here = setting()
+def test_a_joint_that_still_turns_is_named(here):
     measured = here.rig.robot.measured_js()
     velocity = np.zeros(10)
     velocity[4] = 0.02
@@ -151,11 +150,9 @@ def test_a_refusal_by_the_shaft_is_judged_by_the_measured_joints_not_the_set_poi
     assert "off it, allowed" in here.refused(place)
 
 
-def test_a_command_verified_before_is_verified_again_by_the_new_trocar():
-    here = setting()
+def test_a_command_verified_before_is_verified_again_by_the_new_trocar(here):
     queue, new = here.rig.queue, here.place(aside=5e-4)
-    pending = queue.take("tense", "test")
-    queue.check(queue.next(0.0))  # by the old trocar
+    pending = here.rig.verified()  # by the old trocar
     here.accepted(new)  # takes effect before the order is taken up, in the same tick
     assert not pending.reply.done()
     assert here.rig.state is State.ACTIVE
@@ -168,30 +165,23 @@ def test_a_command_verified_before_is_verified_again_by_the_new_trocar():
     assert here.rig.context.current.shaft(here.rig.joints).error < 1e-6
 
 
-def test_a_command_verified_before_is_refused_where_the_new_trocar_forbids_it():
-    here = setting()
-    queue = here.rig.queue
-    pending = queue.take("tense", "test")
-    queue.check(queue.next(0.0))
+def test_a_command_verified_before_is_refused_where_the_new_trocar_forbids_it(here):
+    pending = here.rig.verified()
     here.accepted(here.place(along=-0.145))  # so much shaft inside that the grasp is too deep
-    queue.check(queue.next(0.0))
+    here.rig.queue.check(here.rig.queue.next(0.0))
     here.rig.tick()
     assert not pending.reply.result(0).accepted
     assert "shaft inserted, allowed 50.0 to 250.0 mm" in pending.reply.result(0).message
     assert here.rig.still_for(0.5)
 
 
-def test_a_refusal_leaves_a_verified_command_as_it_is():
-    here = setting()
-    queue = here.rig.queue
-    pending = queue.take("tense", "test")
-    queue.check(queue.next(0.0))
+def test_a_refusal_leaves_a_verified_command_as_it_is(here):
+    pending = here.rig.verified()
     assert not here.ask(here.place(aside=5e-3)).accepted
     assert pending.reply.result(0).accepted
 
 
-def test_a_change_in_the_middle_of_a_verification_makes_it_worthless():
-    here = setting()
+def test_a_change_in_the_middle_of_a_verification_makes_it_worthless(here):
     queue, verify, new = here.rig.queue, here.rig.context.verify, here.place(aside=5e-4)
 
     def verify_slowly(request, situation):
@@ -200,15 +190,13 @@ def test_a_change_in_the_middle_of_a_verification_makes_it_worthless():
         return decision
 
     queue._verify = verify_slowly
-    pending = queue.take("tense", "test")
-    queue.check(queue.next(0.0))
+    pending = here.rig.verified()
     here.rig.tick()
     assert not pending.reply.done()
     assert here.rig.state is State.ACTIVE
 
 
-def test_measurement_and_verification_change_in_the_same_tick():
-    here = setting()
+def test_measurement_and_verification_change_in_the_same_tick(here):
     new = here.place(aside=5e-4)
     answer = here.registrar.ask(new, "/test")
     assert here.rig.rcm(here.rig.joints) < 1e-9  # nothing has changed before the tick
@@ -220,8 +208,7 @@ def test_measurement_and_verification_change_in_the_same_tick():
     assert here.rig.view.rcm_error == pytest.approx(5e-4, rel=1e-6)
 
 
-def test_the_next_motion_first_puts_the_shaft_into_the_new_trocar_without_a_watchdog():
-    here = setting()
+def test_the_next_motion_first_puts_the_shaft_into_the_new_trocar_without_a_watchdog(here):
     here.accepted(here.place(aside=9.9e-4))
     first = len(here.rig.sent)
     here.rig.finish("tense")
@@ -231,8 +218,7 @@ def test_the_next_motion_first_puts_the_shaft_into_the_new_trocar_without_a_watc
     assert max(errors[seated:]) < 1e-6
 
 
-def test_a_question_that_was_withdrawn_changes_nothing():
-    here = setting()
+def test_a_question_that_was_withdrawn_changes_nothing(here):
     before = here.rig.context.current
     answer = here.registrar.ask(here.place(aside=5e-4), "/test")
     assert answer.cancel()
@@ -241,8 +227,7 @@ def test_a_question_that_was_withdrawn_changes_nothing():
     assert "trocar_set" not in here.rig.event_kinds()
 
 
-def test_two_who_ask_at_once_are_both_answered_and_the_last_one_counts():
-    here = setting()
+def test_two_who_ask_at_once_are_both_answered_and_the_last_one_counts(here):
     points = [here.place(aside=1e-4 * n) for n in range(8)]
     with ThreadPoolExecutor(8) as pool:
         answers = list(pool.map(lambda point: here.registrar.ask(point, "/test"), points))

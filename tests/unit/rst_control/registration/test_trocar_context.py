@@ -3,7 +3,6 @@ import numpy as np
 import pytest
 
 from rst_control.commands.request import Accepted
-from rst_control.kinematics.configuration import robot_joints
 from rst_control.registration.trocar_context import (
     ActiveTrocarContext,
     TrocarContext,
@@ -21,32 +20,27 @@ def context(robot, motion_config):
     return TrocarContext(motion_config, robot)
 
 
-@pytest.fixture
-def at_home(home):
-    return robot_joints(home, 0.0)
-
-
 def test_the_trocar_is_that_of_the_settings_and_home_is_in_it(
-    context, robot, motion_config, at_home
+    context, robot, motion_config, joints
 ):
     np.testing.assert_array_equal(context.trocar, motion_config.scene.trocar)
-    shaft = context.shaft(at_home)
+    shaft = context.shaft(joints)
     assert shaft.error < 1e-9
     assert 0.05 < shaft.insertion < robot.shaft_length
 
 
-def test_another_trocar_is_another_site_and_the_first_one_stays(context, at_home):
+def test_another_trocar_is_another_site_and_the_first_one_stays(context, joints):
     other = context.with_trocar(context.trocar + ASIDE)
-    assert other.shaft(at_home).error == pytest.approx(5e-4, rel=1e-2)
-    assert context.shaft(at_home).error < 1e-9
+    assert other.shaft(joints).error == pytest.approx(5e-4, rel=1e-2)
+    assert context.shaft(joints).error < 1e-9
     np.testing.assert_array_equal(other.planner.trocar, context.trocar + ASIDE)
     assert other.config.scene.trocar == tuple(context.trocar + ASIDE)
     assert other.config.scene.home == context.config.scene.home
 
 
-def test_verification_of_a_site_plans_through_its_trocar(context, at_home):
+def test_verification_of_a_site_plans_through_its_trocar(context, joints):
     other = context.with_trocar(context.trocar + ASIDE)
-    decision = other.verify(request("tense"), situation(at_home))
+    decision = other.verify(request("tense"), situation(joints))
     assert isinstance(decision, Accepted)
     paths = [phase.path for phase in decision.plan.phases if isinstance(phase.path, Path)]
     seat, *ways = paths
@@ -56,9 +50,9 @@ def test_verification_of_a_site_plans_through_its_trocar(context, at_home):
         assert way.sample(other.model.chain, context.trocar).rcm_error.max() > 4e-4
 
 
-def test_a_shaft_too_far_from_the_new_trocar_is_refused_by_its_own_verification(context, at_home):
+def test_a_shaft_too_far_from_the_new_trocar_is_refused_by_its_own_verification(context, joints):
     other = context.with_trocar(context.trocar + 4.0 * ASIDE)
-    decision = other.verify(request("tense"), situation(at_home))
+    decision = other.verify(request("tense"), situation(joints))
     assert decision.reason is Reason.RCM_TOLERANCE
 
 
@@ -74,13 +68,13 @@ def test_a_trocar_that_is_no_point_is_refused(context, bad):
         context.with_trocar((0.4, bad, 0.4))
 
 
-def test_questions_to_the_present_context_are_answered_by_the_active_one(context, at_home):
+def test_questions_to_the_present_context_are_answered_by_the_active_one(context, joints):
     present = ActiveTrocarContext(context)
     verify, locate = present.verify, present.trocar_pose
-    before = locate(at_home).rcm_error
+    before = locate(joints).rcm_error
     present.current = context.with_trocar(context.trocar + 4.0 * ASIDE)
-    assert before < 1e-9 < locate(at_home).rcm_error
-    assert verify(request("tense"), situation(at_home)).reason is Reason.RCM_TOLERANCE
+    assert before < 1e-9 < locate(joints).rcm_error
+    assert verify(request("tense"), situation(joints)).reason is Reason.RCM_TOLERANCE
 
 
 def test_going_back_into_the_trocar_the_tip_is_no_faster_than_on_any_other_way(context, home):

@@ -65,9 +65,13 @@ class FollowingRig(Rig):
         return setpoint
 
 
-def test_the_shaft_stays_in_a_trocar_that_breathes_at_rest_and_in_motion():
-    rig = FollowingRig()
-    rig.run(0.3).awake().run(1.0)
+@pytest.fixture
+def rig():
+    """Active for a second, the shaft in the breathing trocar."""
+    return FollowingRig().run(0.3).awake().run(1.0)
+
+
+def test_the_shaft_stays_in_a_trocar_that_breathes_at_rest_and_in_motion(rig):
     rig.errors.clear()
     rig.run(4.0)  # a breath, at rest
     rig.finish("tense")
@@ -80,9 +84,7 @@ def test_without_following_it_is_as_far_off_as_the_trocar_goes():
     assert max(rig.errors) > 0.004
 
 
-def test_the_controller_sees_a_robot_at_rest():
-    rig = FollowingRig()
-    rig.run(0.3).awake().run(1.0)
+def test_the_controller_sees_a_robot_at_rest(rig):
     before = rig.view.measurement.position
     rig.run(2.0)
     np.testing.assert_allclose(rig.view.measurement.position, before, atol=1e-3)
@@ -90,9 +92,7 @@ def test_the_controller_sees_a_robot_at_rest():
 
 
 @pytest.mark.parametrize("words", ["stop", "terminate"])
-def test_stop_and_terminate_end_it(words):
-    rig = FollowingRig()
-    rig.run(0.3).awake().run(1.0)
+def test_stop_and_terminate_end_it(rig, words):
     rig.say(words)
     rig.run(0.3)
     still = rig.true_robot.measured_js().position
@@ -100,9 +100,7 @@ def test_stop_and_terminate_end_it(words):
     np.testing.assert_allclose(rig.true_robot.measured_js().position, still, atol=1e-9)
 
 
-def test_after_a_stop_it_goes_on_from_where_it_was():
-    rig = FollowingRig()
-    rig.run(0.3).awake().run(1.0)
+def test_after_a_stop_it_goes_on_from_where_it_was(rig):
     rig.say("stop")
     rig.run(1.0)
     before = rig.true_robot.measured_js().position
@@ -150,10 +148,8 @@ def test_without_a_tracker_nothing_begins():
     assert "no trocar was tracked yet" in rig.refused("hey robot")
 
 
-def test_a_joint_that_reads_the_same_is_still_found():
+def test_a_joint_that_reads_the_same_is_still_found(rig):
     """What the trocar adds must not hide a reading that is frozen."""
-    rig = FollowingRig()
-    rig.run(0.3).awake().run(1.0)
     frozen = rig.true_robot.measured_js
     first = frozen()
     rig.true_robot.measured_js = lambda: replace(

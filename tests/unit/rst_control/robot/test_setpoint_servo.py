@@ -26,6 +26,11 @@ def servo() -> Servo:
     return Servo(CONFIG, LIMITS, HOME)
 
 
+@pytest.fixture
+def robot() -> Servo:
+    return servo()
+
+
 def wave(t: float) -> tuple[np.ndarray, np.ndarray]:
     return HOME + RATES * 0.1 * (1 - np.cos(3 * t)), RATES * 0.3 * np.sin(3 * t)
 
@@ -49,15 +54,13 @@ def play_on(robot: Servo, start: float, duration: float) -> np.ndarray:
     return np.array([robot.course(start + k * 1e-3)[0] for k in range(int(duration * 1000))])
 
 
-def test_without_setpoints_it_holds_where_it_started():
-    robot = servo()
+def test_without_setpoints_it_holds_where_it_started(robot):
     assert np.array_equal(play_on(robot, 0.0, 0.1)[-1], HOME)
     assert robot.state is ServoState.HOLDING
     assert robot.fault == ""
 
 
-def test_it_reports_where_it_holds_while_nobody_leads_it():
-    robot = servo()
+def test_it_reports_where_it_holds_while_nobody_leads_it(robot):
     assert np.array_equal(robot.rest, HOME)
     stream(robot, 0.3)
     assert robot.rest is None
@@ -79,8 +82,7 @@ def test_jitter_of_arrival_within_the_delay_never_reaches_the_joints():
     assert np.abs(smooth - jittered).max() < 1e-12
 
 
-def test_when_setpoints_stop_in_motion_it_brakes_within_limits_and_holds_and_says_so():
-    robot = servo()
+def test_when_setpoints_stop_in_motion_it_brakes_within_limits_and_holds_and_says_so(robot):
     stream(robot, 0.5)
     course = play_on(robot, 0.5, 0.5)
     assert robot.state is ServoState.HOLDING
@@ -90,8 +92,7 @@ def test_when_setpoints_stop_in_motion_it_brakes_within_limits_and_holds_and_say
     assert np.array_equal(course[-1], course[-200])
 
 
-def test_while_braking_all_joints_stay_on_one_straight_line():
-    robot = servo()
+def test_while_braking_all_joints_stay_on_one_straight_line(robot):
     stream(robot, 0.5)
     course = play_on(robot, 0.521, 0.4)
     moved = course - course[0]
@@ -100,8 +101,7 @@ def test_while_braking_all_joints_stay_on_one_straight_line():
     assert (np.diff(moved @ direction) >= -1e-15).all()
 
 
-def test_setpoints_that_end_at_rest_end_without_a_fault():
-    robot = servo()
+def test_setpoints_that_end_at_rest_end_without_a_fault(robot):
     for k in range(20):
         robot.accept(Setpoint(HOME, STILL, 0.002 * k), 0.002 * k)
     assert np.allclose(play_on(robot, 0.04, 0.2), HOME, atol=1e-15)
@@ -109,8 +109,7 @@ def test_setpoints_that_end_at_rest_end_without_a_fault():
     assert robot.fault == ""
 
 
-def test_hold_brakes_without_a_fault_and_older_setpoints_no_longer_count():
-    robot = servo()
+def test_hold_brakes_without_a_fault_and_older_setpoints_no_longer_count(robot):
     stream(robot, 0.5)
     robot.hold(0.5)
     assert robot.state is ServoState.BRAKING
@@ -122,8 +121,7 @@ def test_hold_brakes_without_a_fault_and_older_setpoints_no_longer_count():
     assert robot.state is ServoState.FOLLOWING
 
 
-def test_after_a_fault_nothing_moves_until_it_is_cleared_at_rest():
-    robot = servo()
+def test_after_a_fault_nothing_moves_until_it_is_cleared_at_rest(robot):
     stream(robot, 0.5)
     robot.fail("made up", 0.5)
     assert not robot.clear_fault()
@@ -136,8 +134,7 @@ def test_after_a_fault_nothing_moves_until_it_is_cleared_at_rest():
     assert robot.state is ServoState.FOLLOWING
 
 
-def test_the_first_fault_is_the_one_that_is_kept():
-    robot = servo()
+def test_the_first_fault_is_the_one_that_is_kept(robot):
     robot.fail("first", 0.0)
     robot.fail("second", 0.1)
     assert robot.fault == "first"
@@ -152,9 +149,8 @@ def test_the_first_fault_is_the_one_that_is_kept():
     ],
 )
 def test_a_setpoint_no_joint_may_follow_is_a_named_fault_and_moves_nothing(
-    position, velocity, words
+    robot, position, velocity, words
 ):
-    robot = servo()
     robot.accept(Setpoint(position, velocity, 0.0), 0.0)
     assert words in robot.fault
     assert np.array_equal(play_on(robot, 0.0, 0.2)[-1], HOME)
@@ -173,8 +169,7 @@ def test_a_speed_that_changes_faster_than_the_joints_can_is_a_named_fault(begins
     assert "allowed 1.00" in robot.fault
 
 
-def test_a_jump_between_setpoints_is_a_fault_and_brakes_on_the_old_course():
-    robot = servo()
+def test_a_jump_between_setpoints_is_a_fault_and_brakes_on_the_old_course(robot):
     stream(robot, 0.5)
     before = robot.course(0.499)[0]
     position, velocity = wave(0.502)
@@ -184,8 +179,7 @@ def test_a_jump_between_setpoints_is_a_fault_and_brakes_on_the_old_course():
     assert np.abs(course - before).max() < 0.03
 
 
-def test_setpoints_from_the_past_are_ignored_and_from_the_future_are_a_fault():
-    robot = servo()
+def test_setpoints_from_the_past_are_ignored_and_from_the_future_are_a_fault(robot):
     robot.accept(Setpoint(HOME + 0.005, STILL, 1.0), 2.0)
     assert robot.state is ServoState.HOLDING
     assert robot.fault == ""
@@ -249,8 +243,7 @@ def set_off(robot: Servo, away: np.ndarray, count: int = 250) -> np.ndarray:
     return np.array(course)
 
 
-def test_a_first_setpoint_away_from_where_it_holds_is_reached_slowly():
-    robot = servo()
+def test_a_first_setpoint_away_from_where_it_holds_is_reached_slowly(robot):
     course = set_off(robot, AWAY)
     speed = np.abs(np.diff(course, axis=0)).max(axis=0) / 1e-3
     assert (speed <= 0.101 * LIMITS.speed).all()
@@ -272,8 +265,7 @@ def test_its_velocities_are_those_of_its_positions():
 
 
 @pytest.mark.parametrize("count", [1, 5, 20, 60])
-def test_a_course_that_ends_on_the_way_to_it_ends_there_without_a_jump(count):
-    robot = servo()
+def test_a_course_that_ends_on_the_way_to_it_ends_there_without_a_jump(robot, count):
     before = set_off(robot, AWAY, count)
     after = play_on(robot, 1.0 + 2 * count * 1e-3, 0.5)
     course = np.vstack([before, after])

@@ -43,6 +43,18 @@ def held_at(first, name, joints=slice(None)):
     return spoil
 
 
+def stands_from(first, joints=slice(None)):
+    """After a sample some joints stay as they were, and say that they rest."""
+    held = held_at(first, "position", joints)
+
+    def spoil(k, m):
+        velocity = m.velocity.copy()
+        velocity[joints] = 0.0 if k >= first else velocity[joints]
+        return held(k, replace(m, velocity=velocity))
+
+    return spoil
+
+
 def moved(offset, joint=2):
     return lambda m: replace(m, position=m.position + offset * np.eye(10)[joint])
 
@@ -52,14 +64,8 @@ def moved(offset, joint=2):
 
 @pytest.mark.parametrize(("joints", "name"), [(slice(None), "joint_1"), (5, "joint_6")])
 def test_readings_that_stay_the_same_while_the_joint_is_sent_elsewhere_are_frozen(joints, name):
-    def spoil(k, m):
-        velocity = m.velocity.copy()
-        velocity[joints] = 0.0 if k >= 500 else velocity[joints]
-        return held_at_500(k, replace(m, velocity=velocity))
-
-    held_at_500 = held_at(500, "position", joints)
     rate = 0.1
-    words, time = first_objection(ramp(rate), spoil=spoil)
+    words, time = first_objection(ramp(rate), spoil=stands_from(500, joints))
     assert f"{name} frozen or blocked" in words and "0.0" in words
     wait = SENSORS.frozen_after + SETTINGS.watchdogs.joint_state_age + SETTINGS.tension.delay
     assert time - 1.0 <= SENSORS.frozen_way / rate + wait + 0.01
@@ -73,11 +79,7 @@ def test_one_frozen_joint_with_its_velocity_going_on_is_found_at_once():
 
 @pytest.mark.parametrize("rate", [0.005, 0.02])
 def test_frozen_joints_are_found_in_slow_motion_too_after_little_way(rate):
-    def spoil(k, m):
-        return held_at_500(k, replace(m, velocity=np.zeros(10)) if k >= 500 else m)
-
-    held_at_500 = held_at(500, "position")
-    words, time = first_objection(ramp(rate), seconds=4.0, spoil=spoil)
+    words, time = first_objection(ramp(rate), seconds=4.0, spoil=stands_from(500))
     assert "frozen" in words
     assert (time - 1.0) * rate < 2 * SENSORS.frozen_way
 
@@ -104,29 +106,27 @@ def test_joints_that_set_off_late_are_not_frozen():
 
 
 def test_a_frozen_joint_is_forgiven_once_its_reading_changes_and_not_before():
-    sensors, kept = watch(), None
+    sensors, stands = watch(), stands_from(100)
     for k, (measured, setpoint) in enumerate(measurements(ramp(0.05), 1.0)):
-        kept = measured if k <= 100 else kept
-        stuck = replace(kept, stamp=measured.stamp, sent=measured.sent, velocity=np.zeros(10))
-        sensors.update(stuck if k > 100 else measured, setpoint, None)
+        kept = stands(k, measured)
+        sensors.update(kept, setpoint, None)
     assert "frozen" in sensors.objection
     for n in range(1, 120):  # whatever is commanded, or nothing
         sensors.update(replace(kept, stamp=200 + n * 0.002, sent=None), None, None)
         assert "frozen" in sensors.objection
-    other = replace(kept, position=kept.position + 1e-6, stamp=200.5, velocity=np.zeros(10))
+    other = replace(kept, position=kept.position + 1e-6, stamp=200.5)
     sensors.update(other, None, None)
     assert sensors.objection == ""
 
 
 def test_a_robot_with_a_fault_of_its_own_stands_and_is_not_frozen():
-    sensors, kept = watch(), None
-    for k, (measured, setpoint) in enumerate(measurements(ramp(0.05), 1.0)):
-        kept = measured if k <= 100 else kept
-        stands = replace(kept, stamp=measured.stamp, sent=measured.sent, velocity=np.zeros(10))
-        if k > 100:
-            measured = replace(stands, fault="set-points stopped coming while moving, 31 ms ago")
-        sensors.update(measured, setpoint, None)
-        assert sensors.objection == ""
+    stands = stands_from(100)
+
+    def spoil(k, m):
+        fault = "set-points stopped coming while moving, 31 ms ago" if k > 100 else ""
+        return replace(stands(k, m), fault=fault)
+
+    assert first_objection(ramp(0.05), seconds=1.0, spoil=spoil)[0] == ""
 
 
 # Jumping
@@ -269,11 +269,10 @@ def test_a_tension_of_a_coarse_sensor_on_soft_tissue_is_not_stuck():
 
 
 def test_a_tension_that_stays_the_same_while_nothing_is_pulled_is_not_stuck():
-    sensors = watch()
-    for measured, setpoint in measurements(STILL, 1.0):
-        held = replace(measured, force=np.array([0.5, 0.0, 0.0]), gripped=True)
-        sensors.update(held, setpoint, None)
-        assert sensors.objection == ""
+    def spoil(k, m):
+        return replace(m, force=np.array([0.5, 0.0, 0.0]), gripped=True)
+
+    assert first_objection(STILL, seconds=1.0, spoil=spoil)[0] == ""
 
 
 @pytest.mark.parametrize("spike", [1.2, -0.7])

@@ -12,7 +12,7 @@ from rst_control.kinematics.configuration import Configuration, planning_joints,
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.supervision.node_liveness import NodeLiveness
-from rst_control.types import State
+from rst_control.types import Cause, Reason, State
 from tests.support.changed_settings import changed
 from tests.support.fake_robot import FakeRobot, LinearSpring
 
@@ -75,6 +75,14 @@ class Rig:
             self.tick()
         raise AssertionError(f"not within {limit} s; {self.executor.snapshot}")
 
+    def worst_error_until(self, condition):
+        """Largest distance of the shaft from the trocar until then [m]."""
+        worst = 0.0
+        while not condition():
+            self.tick()
+            worst = max(worst, self.view.trocar_pose.error)
+        return worst
+
     def give(self, words, spoken=False, owner="", **amounts):
         """Give a command and tick until it is answered."""
         pending = self.queue.take(words, "test", spoken, owner=owner, **amounts)
@@ -86,6 +94,16 @@ class Rig:
                 self.queue.check(waiting)
             self.tick()
         return pending
+
+    def verified(self, words="tense"):
+        """Give a motion and have it verified; no tick has taken it up yet."""
+        pending = self.queue.take(words, "test")
+        self.queue.check(self.queue.next(0.0))
+        return pending
+
+    def stop(self):
+        """Stop it by the topic; the next tick takes that up."""
+        self.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
 
     def say(self, words, **more):
         """Give a command that must be accepted."""

@@ -58,11 +58,11 @@ def measurements(motion, seconds):
         )
 
 
-def first_objection(motion, seconds=2.0, spoil=lambda k, m: m, is_led=True):
+def first_objection(motion, seconds=2.0, spoil=lambda k, m: m):
     """First objection and the time at which it came [s]; ("", inf) where none came."""
     sensors = watch()
     for k, (measured, setpoint) in enumerate(measurements(motion, seconds)):
-        sensors.update(spoil(k, measured), setpoint if is_led else None, None)
+        sensors.update(spoil(k, measured), setpoint, None)
         if sensors.objection:
             return sensors.objection, k * PERIOD
     return "", np.inf

@@ -35,11 +35,15 @@ def dynamics(way) -> InverseDynamics:
     return InverseDynamics(TEXT, 0.0, 9.81 * unit_vector(way))
 
 
-def refusal(setting, effort, velocity=0.0, config=CONFIG) -> str:
-    check = RestTorques(config, TEXT, setting)
+def rested(check, effort, velocity=0.0) -> str:
+    """What is refused after readings at home."""
     for _ in range(READINGS):
         check.update(robot_joints(HOME, 0.0), np.full(7, velocity), effort)
     return check.refusal
+
+
+def refusal(setting, effort, velocity=0.0, config=CONFIG) -> str:
+    return rested(RestTorques(config, TEXT, setting), effort, velocity)
 
 
 @mountings
@@ -70,12 +74,8 @@ def test_nothing_is_known_before_the_arm_has_rested_and_a_payload_set_right_is_t
     effort = dynamics((0, 0, -1))(HOME)
     assert "not compared" in refusal((), effort, velocity=0.1)
     check = RestTorques(CONFIG, TEXT, ())
-    for _ in range(READINGS):
-        check.update(robot_joints(HOME, 0.0), np.zeros(7), 3.0 * effort)
-    assert check.refusal
-    for _ in range(READINGS):
-        check.update(robot_joints(HOME, 0.0), np.zeros(7), effort)
-    assert check.refusal == ""
+    assert rested(check, 3.0 * effort)
+    assert rested(check, effort) == ""
 
 
 def estimated(setting, way, turned, pull) -> tuple[float, str]:

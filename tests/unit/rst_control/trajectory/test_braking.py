@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rst_control.trajectory.motion_profile import MotionBounds, MotionProfile, stopping_speed
-from rst_control.types import Cause, PathState, Reason, State
+from rst_control.types import PathState, State
 from tests.support.changed_settings import planner_with
 from tests.unit.rst_control.support.executor_rig import PERIOD, Rig
 
@@ -61,7 +61,7 @@ def test_a_stop_is_harder_than_the_motion_and_ends_in_time():
     layer = rig.config.limits.active
     rig.run(0.1)
     stopped, before = rig.now, rig.view.path_position
-    rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
+    rig.stop()
     rig.until(lambda: rig.state is State.HALTED)
     assert rig.now - stopped <= layer.stopping_time + 3 * PERIOD
     moved = rig.view.path_position - before

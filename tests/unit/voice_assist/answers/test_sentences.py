@@ -8,6 +8,7 @@ import pytest
 
 from rst_control.commands.table import COMMANDS
 from rst_control.types import Reason
+from tests.unit.voice_assist.support.records import altered
 from typed_config import load_config, load_yaml
 from voice_assist.alarms.presenter import event_alarm, latch_alarm, unheard_alarm
 from voice_assist.alarms.types import ControllerEvent, UtteranceReport
@@ -94,17 +95,6 @@ def test_what_is_taken_is_answered_by_its_command():
         assert taken(command) == sentence
 
 
-def renamed(commands, **phrases):
-    """Commands of which some, by what they call, are said otherwise."""
-    changed = (
-        replace(c, phrase=phrases[c.command.replace(" ", "_")], spellings=())
-        if c.command.replace(" ", "_") in phrases
-        else c
-        for c in commands.commands
-    )
-    return replace(commands, commands=tuple(changed))
-
-
 def question(phrase, commands):
     report = UtteranceReport("", "nearly sure", "nearly_sure", phrase, 0.0)
     return unheard_alarm(report, partial(asked, commands=commands)).answer
@@ -114,17 +104,15 @@ def test_a_question_names_the_motion_that_the_phrase_calls_whatever_its_words():
     amounts = load_voice_config(commands__amounts=True).commands
     assert question("pull two millimetres more", amounts) == "drawing further"
     assert question("tension one point five", amounts) == "taking hold"
-    other = renamed(COMMANDS_YAML, pull_more="draw up", release="open", pull_less="release now")
+    said = {"pull_more": "draw up", "release": "open", "pull_less": "release now"}
+    changes = {name: {"phrase": phrase, "spellings": ()} for name, phrase in said.items()}
+    other = altered(COMMANDS_YAML, **changes)
     assert question("draw up", other) == "drawing further"
     assert question("release now", other) == "easing"
 
 
 def test_to_say_it_again_is_asked_for_only_where_that_is_an_answer():
-    camera = tuple(
-        replace(c, command="look left") if c.command == "tense" else c
-        for c in COMMANDS_YAML.commands
-    )
-    commands = replace(COMMANDS_YAML, commands=camera)
+    commands = altered(COMMANDS_YAML, tense={"command": "look left"})
     assert question("tense", commands) == question("of another node", commands) == ""
     assert question("tense", replace(commands, said_twice=True)) == "unsure, say again"
     german = load_voice_config(language="de").commands

@@ -6,19 +6,13 @@ import dataclasses
 import pytest
 import soundfile
 
+from tests.unit.voice_assist.support.adaptable import Adaptable
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, say
 from voice_assist import assembly, recognizer
 from voice_assist.cli.enroll import EnrolRequest, enroll
 from voice_assist.config import CONFIG_DIR, load_voice_config
 from voice_assist.errors import VoiceError
-from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.types import RATE
-
-
-class Adaptable(FakeRecognizer, EmbeddedRecognizer):
-    """Could be adapted; no test does."""
-
-    model_hash = "ab" * 32
 
 
 def asked(tmp_path):

@@ -6,18 +6,13 @@ import shutil
 
 import pytest
 
-from tests.unit.voice_assist.support.fake_speech import FakeRecognizer
+from tests.unit.voice_assist.support.adaptable import Adaptable
 from voice_assist.cli import enroll as enroll_module
 from voice_assist.cli.main import main
 from voice_assist.config import CONFIG_DIR
 from voice_assist.profile.profile import ENV, create_profile, open_profile
-from voice_assist.recognizer.embedded import EmbeddedRecognizer
 
 PLACES = ("set", "given", "environment")
-
-
-class Adaptable(FakeRecognizer, EmbeddedRecognizer):
-    """Could be adapted; no test does."""
 
 
 @pytest.fixture
@@ -78,20 +73,19 @@ def refused(capsys, *words):
 
 @pytest.mark.parametrize(
     ("name", "words"),
-    [("nobody", "no profile 'nobody' in {}, there: set"), ("../x", "profile name is '../x'")],
+    [
+        ("nobody", "no profile 'nobody' in {}, there: set"),
+        ("../x", "profile name is '../x'"),
+        ("documents", "documents holds 'letter.txt' and no profile, allowed"),
+    ],
 )
 def test_nothing_is_asked_about_a_profile_that_is_not_there(profiles, capsys, name, words):
-    folder = profiles / "set"
-    shown = refused(capsys, "profiles", "delete", name, "--profiles", folder)
-    assert shown.out == "" and words.format(folder) in shown.err
-
-
-def test_nothing_is_asked_about_a_folder_of_other_files(profiles, capsys):
     letter = profiles / "set" / "documents" / "letter.txt"
     letter.parent.mkdir()
     letter.touch()
-    shown = refused(capsys, "profiles", "delete", "documents", "--profiles", profiles / "set")
-    assert shown.out == "" and "documents holds 'letter.txt' and no profile, allowed" in shown.err
+    folder = profiles / "set"
+    shown = refused(capsys, "profiles", "delete", name, "--profiles", folder)
+    assert shown.out == "" and words.format(folder) in shown.err
     assert letter.exists()
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.unit.voice_assist.support.records import altered
 from typed_config import ConfigError, load_config, load_yaml
 from voice_assist.alarms import causes, presenter
 from voice_assist.alarms.types import ControllerEvent
@@ -127,12 +128,9 @@ def test_an_alarm_in_another_language_keeps_its_details():
 
 
 def test_an_english_alarm_names_renamed_phrases_too():
-    names = {"hey robot": "wake up now", "release": "let it go"}
-    changed = (
-        replace(c, phrase=names[c.command], spellings=()) if c.command in names else c
-        for c in ENGLISH.commands
-    )
-    texts = texts_of(replace(ENGLISH, commands=tuple(changed)))
+    wakes = {"phrase": "wake up now", "spellings": ()}
+    opens = {"phrase": "let it go", "spellings": ()}
+    texts = texts_of(altered(ENGLISH, hey_robot=wakes, release=opens))
     assert texts('Say "hey robot", then "release".') == 'Say "wake up now", then "let it go".'
     assert texts('Say "yes" if it is what you said.') == 'Say "yes" if it is what you said.'
 

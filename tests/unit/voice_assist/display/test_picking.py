@@ -13,6 +13,7 @@ from rst_control.ros.simulator.pictures import endoscope_messages
 from rst_control.simulation.camera_geometry import camera_matrix, camera_pose
 from rst_control.tissue.sheet import rest_points, sheet_normal
 from tests.unit.voice_assist.display.support.theatre import Clock
+from tests.unit.voice_assist.support.heard import Heard
 from typed_config import load_file
 from voice_assist.config.display import FILE, DisplayConfig
 from voice_assist.display.picking import KEPT, NotOnTissueError, Sheet, StampedHistory
@@ -134,16 +135,6 @@ def test_what_was_said_long_ago_is_kept_no_more_but_for_what_still_holds(history
     assert said.at(29.0) == "new"
     with pytest.raises(NotOnTissueError, match="no longer known"):
         said.at(19.0)
-
-
-class Heard:
-    """Stands for ROS: what each topic's callback is."""
-
-    def __init__(self):
-        self.callbacks = {}
-
-    def hear(self, by, topic, kind, callback, **options):
-        self.callbacks[topic] = callback
 
 
 def test_a_click_means_what_the_camera_saw_when_the_picture_was_taken(monkeypatch):

@@ -28,6 +28,15 @@ def test_a_stop_needs_no_token_and_is_sent_whatever_comes_with_it():
     assert acts.asked == ["sent stop", "stop"] * 3
 
 
+async def first_done(posts, count):
+    """Begin them all; those that are answered once there are so many, and the others."""
+    done, waiting = set(), set(map(asyncio.ensure_future, posts))
+    while len(done) < count:
+        more, waiting = await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
+        done |= more
+    return done, waiting
+
+
 def test_a_stop_is_sent_while_all_that_acts_is_busy():
     is_over = threading.Event()
 
@@ -40,10 +49,7 @@ def test_a_stop_is_sent_while_all_that_acts_is_busy():
 
     async def act(_, session):
         posts = (session.post("/act/stop") for _ in range(AT_WORK + 3))
-        refused, waiting = set(), set(map(asyncio.ensure_future, posts))
-        while len(refused) < 3:
-            done, waiting = await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
-            refused |= done
+        refused, waiting = await first_done(posts, 3)
         is_over.set()
         assert {answer.result().status for answer in refused} == {503}
         assert {answer.status for answer in await asyncio.gather(*waiting)} == {200}
@@ -63,10 +69,7 @@ def test_a_stop_is_confirmed_while_other_acts_keep_all_threads_busy():
     async def act(_, session):
         body, count = {"name": "USB"}, AT_WORK + 1
         choose = (session.post("/act/microphone", json=body, headers=RIGHT) for _ in range(count))
-        refused, waiting = set(), set(map(asyncio.ensure_future, choose))
-        while not refused:
-            done, waiting = await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
-            refused |= done
+        _, waiting = await first_done(choose, 1)
         async with session.post("/act/stop") as answer:
             assert answer.status == 200 and (await answer.json())["done"]
         is_over.set()

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from tests.unit.voice_assist.support.adaptable import Adaptable
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say, silence
 from voice_assist.cli.enroll_terminal import guide
 from voice_assist.config import load_voice_config
@@ -24,7 +25,6 @@ from voice_assist.errors import ManifestError
 from voice_assist.profile.deletion import delete_profile
 from voice_assist.profile.manifest import COMMAND, TALK
 from voice_assist.profile.profile import VoiceProfileError, create_profile, open_profile
-from voice_assist.recognizer.embedded import EmbeddedRecognizer
 from voice_assist.types import FULL_SCALE
 
 VOICE = load_voice_config()
@@ -46,12 +46,6 @@ class Room:
         return heard(self.said.pop(0))
 
 
-class Base(FakeRecognizer, EmbeddedRecognizer):
-    """Could be adapted; no test does."""
-
-    model_hash = "ab" * 32
-
-
 @pytest.fixture
 def room():
     return Room()
@@ -59,7 +53,7 @@ def room():
 
 @pytest.fixture
 def service(room, tmp_path):
-    args = VOICE, CONFIG, Base({"stop": 9.0}), tmp_path, room.listen, lambda: room.is_armed
+    args = VOICE, CONFIG, Adaptable({"stop": 9.0}), tmp_path, room.listen, lambda: room.is_armed
     return EnrolmentService(*args)
 
 
@@ -286,7 +280,7 @@ class Microphone:
 def test_the_terminal_asks_again_and_goes_on_after_ctrl_c(tmp_path):
     profile = create_profile("ada", "ab" * 32, tmp_path / "profiles")
     config = dataclasses.replace(CONFIG, repetitions=3)
-    check = TakeCheck(config.checks, VOICE.commands, Base({"stop": 9.0}))
+    check = TakeCheck(config.checks, VOICE.commands, Adaptable({"stop": 9.0}))
     said = ["", "stop", "hey robot", "tense"]
     asked = []
 

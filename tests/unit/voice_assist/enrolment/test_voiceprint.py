@@ -8,7 +8,7 @@ from tests.unit.voice_assist.support.records import take
 from voice_assist.config import load_voice_config
 from voice_assist.enrolment.voiceprint import put_voiceprint
 from voice_assist.profile.profile import create_profile
-from voice_assist.speaker.gate import ClosedGate, SpeakerGate, make_gate
+from voice_assist.speaker.gate import SpeakerGate, make_gate
 from voice_assist.speaker.voiceprint import FILE, VoiceprintError
 from voice_assist.types import RATE, frozen_samples
 
@@ -44,11 +44,8 @@ def test_a_profile_with_a_voiceprint_lets_its_own_throat_move_and_no_other(tmp_p
     assert "not this voice" in gate(frozen_samples(0.1 * rng.standard_normal(RATE))).words
 
 
-def test_a_profile_without_enough_takes_gets_none_and_nothing_moves(tmp_path):
+def test_a_profile_without_enough_takes_gets_none(tmp_path):
     profile = profile_of(tmp_path, 110.0, count=2)
     with pytest.raises(VoiceprintError, match="2 takes"):
         put_voiceprint(profile, CONFIG)
     assert not profile.has(FILE)
-    gate = make_gate(CONFIG, None)
-    assert isinstance(gate, ClosedGate)
-    assert "no profile with a voiceprint" in gate(np.zeros(9)).words

@@ -21,7 +21,7 @@ from voice_assist.types import RATE
 CONFIG = load_voice_config()
 
 
-def write(path, text, rate=RATE):
+def write(path, text):
     soundfile.write(path, say(text, before=0.1, after=0.1), RATE)
     return path.name
 

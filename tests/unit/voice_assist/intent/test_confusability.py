@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Phrases that are too alike are found before anybody relies on them."""
 
-from dataclasses import replace
-
 import pytest
 
-from tests.unit.voice_assist.support.records import command_entries
+from tests.unit.voice_assist.support.records import altered, command_entries
 from voice_assist.cli.main import main
 from voice_assist.config import CONFIG_DIR, load_voice_config
 from voice_assist.intent.confusability import ALIKE, TOO_ALIKE, closest_pairs, nearest, objection
@@ -69,14 +67,7 @@ def test_a_spelling_may_be_like_the_command_that_it_belongs_to():
 
 
 def test_spellings_count_as_much_as_phrases():
-    tense = COMMANDS.get("tense")
-    extended = replace(
-        COMMANDS,
-        commands=tuple(
-            replace(tense, spellings=("re leash",)) if c is tense else c for c in COMMANDS.commands
-        ),
-    )
-    (first, *_) = closest_pairs(extended)
+    (first, *_) = closest_pairs(altered(COMMANDS, tense={"spellings": ("re leash",)}))
     assert {first.one, first.other} == {"tense", "release"} and first.verdict != "apart"
     assert first.spellings == ("re leash", "release")
 

@@ -42,6 +42,18 @@ class Rig:
         self.growth = PartialUtterance(utterance, self.quiet, True, 1.0)
         return self.hearing(self.growth, frame, self.now)
 
+    def slow_down(self, cost):
+        """Let each pass take so long [s]; gives when they begin."""
+        begun, transcribe = [], self.recognizer.transcribe
+
+        def slowly(*given):
+            self.late += cost
+            begun.append(self.now)
+            return transcribe(*given)
+
+        self.recognizer.transcribe = slowly
+        return begun
+
     def hear(self, *lengths):
         """So many frames of speech, then so many of quiet, and so on; gives the turns."""
         return [self.feed(n % 2 == 0) for n, many in enumerate(lengths) for _ in range(many)]
@@ -152,15 +164,8 @@ def test_each_pass_may_ask_what_is_hopeless():
 
 @pytest.mark.parametrize(("cost", "apart"), [(0.09, 0.096), (0.2, 0.2 / 0.33), (0.45, 0.45 / 0.33)])
 def test_a_slow_model_is_asked_less_often_and_what_it_skips_is_noted(cost, apart):
-    rig, begun = Rig(), []
-    transcribe = rig.recognizer.transcribe
-
-    def slowly(*given):
-        rig.late += cost
-        begun.append(rig.now)
-        return transcribe(*given)
-
-    rig.recognizer.transcribe = slowly
+    rig = Rig()
+    begun = rig.slow_down(cost)
     for _ in range(250):
         rig.feed(True)
         rig.late = max(rig.late - FRAME, 0.0)  # frames queue while it works
@@ -172,13 +177,7 @@ def test_a_slow_model_is_asked_less_often_and_what_it_skips_is_noted(cost, apart
 
 def test_the_end_of_an_utterance_waits_for_no_slow_model():
     rig = Rig()
-    transcribe = rig.recognizer.transcribe
-
-    def slowly(*given):
-        rig.late += 0.4
-        return transcribe(*given)
-
-    rig.recognizer.transcribe = slowly
+    rig.slow_down(0.4)
     rig.hear(4)
     assert rig.passes == 1
     rig.feed(True)

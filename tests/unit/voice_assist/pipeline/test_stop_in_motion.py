@@ -36,11 +36,15 @@ class AlwaysAsSure:
         """Nothing."""
 
 
+def sound(text, is_moving=True):
+    return [replace(frame, is_moving=is_moving) for frame in frames(say(text))]
+
+
 def hear(text, is_moving, mode=Mode.ACTIVE, recognizer=None, score=None, over_talk=None, **rest):
     in_sound = None if over_talk is None else AlwaysAsSure(over_talk)
     spotting = None if score is None else FakeSpotting(score)
     made = make(mode, recognizer, spotting=spotting, stop_in_sound=in_sound, **rest)
-    return run(*made, [replace(frame, is_moving=is_moving) for frame in frames(say(text))])
+    return run(*made, sound(text, is_moving))
 
 
 @pytest.mark.parametrize("text", WITH_STOP)
@@ -59,8 +63,7 @@ def test_over_the_robots_own_voice_a_stop_is_no_harder_in_motion_than_at_rest(is
     def hear_over(word):
         pipeline, clock = make(Mode.ACTIVE, stop_in_sound=AlwaysAsSure(0.9))
         pipeline.robot_spoke(RobotSpeechChange(True, 100.0))
-        sound = [replace(f, is_moving=is_moving) for f in frames(say(OVER.format(word)))]
-        return commands(run(pipeline, clock, sound))
+        return commands(run(pipeline, clock, sound(OVER.format(word), is_moving)))
 
     assert CONFIG.over_talk_agree > 0.9
     assert hear_over("stop") == ["stop"]
@@ -145,8 +148,7 @@ def test_a_sure_stop_that_stands_alone_waits_for_no_word_of_the_spotter_over_tal
     in_sound = AlwaysAsSure(0.0)
     in_sound.newest = ask
     made = make(Mode.ACTIVE, FakeRecognizer(confidence=0.99), stop_in_sound=in_sound)
-    events = run(*made, [replace(frame, is_moving=True) for frame in frames(say("stop"))])
-    assert commands(events) == ["stop"]
+    assert commands(run(*made, sound("stop"))) == ["stop"]
 
 
 @pytest.mark.parametrize("text", WITH_STOP)
@@ -222,7 +224,7 @@ def test_one_transcript_has_one_vote():
         return found
 
     decider.in_motion = in_motion
-    run(*made, [replace(f, is_moving=True) for f in frames(say("he said mumble stop"))])
+    run(*made, sound("he said mumble stop"))
     votes = {}
     for transcript, count in calls:
         votes.setdefault(id(transcript), set()).add(count)

@@ -6,7 +6,6 @@ import pytest
 import torch
 
 from tests.unit.voice_assist.support.records import take
-from typed_config import ConfigError
 from voice_assist import recognizer
 from voice_assist.assembly import make_recognizer
 from voice_assist.cli import enroll
@@ -126,11 +125,6 @@ def test_a_pinned_profile_that_changed_is_not_used(profile):
     profile.put("report.md", b"changed")
     with pytest.raises(VoiceProfileError, match="it was changed since"):
         profile_in_use(pinned)
-
-
-def test_a_name_that_no_profile_can_have_is_refused_at_start(profile):
-    with pytest.raises(ConfigError, match=r"profile"):
-        config(profile, name="../ada")
 
 
 def test_settings_recorded_before_there_were_profiles_mean_nobody():

@@ -7,6 +7,7 @@ import pytest
 
 from tests.unit.voice_assist.support.fake_pipeline import decisions, hear
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, say
+from tests.unit.voice_assist.support.records import altered
 from typed_config import load_config, load_yaml
 from voice_assist.config import CONFIG_DIR, CommandsConfig, load_voice_config
 from voice_assist.errors import VoiceError
@@ -124,9 +125,8 @@ def test_spellings_are_learned_from_takes(more):
 
 
 def decide(text, recognizer=None, **learned):
-    config = load_voice_config()
-    changed = [replace(c, learned=learned.get(c.phrase, ())) for c in config.commands.commands]
-    config = replace(config, commands=replace(config.commands, commands=tuple(changed)))
+    config, changes = load_voice_config(), {name: {"learned": s} for name, s in learned.items()}
+    config = replace(config, commands=altered(config.commands, **changes))
     return decisions(hear(text, recognizer=recognizer, config=config))
 
 

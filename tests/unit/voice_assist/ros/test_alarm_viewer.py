@@ -3,21 +3,18 @@
 
 import rospy
 
+from tests.unit.voice_assist.support.heard import Heard
 from voice_assist.ros.alarms import viewer as viewer_module
 from voice_assist.ros.alarms.viewer import Lines, Viewer
 
 
 def test_alarms_and_diagnostics_of_strangers_are_not_shown(monkeypatch):
-    heard = []
-
-    class Known:
-        def hear(self, by, topic, kind, callback):
-            heard.append((by, topic))
+    heard = Heard()
 
     def subscribe(*_):
         raise AssertionError("anybody is believed")
 
-    monkeypatch.setattr(viewer_module, "Believed", Known, raising=False)
+    monkeypatch.setattr(viewer_module, "Believed", lambda: heard, raising=False)
     monkeypatch.setattr(rospy, "Subscriber", subscribe)
     Viewer(Lines())
-    assert heard == [("system", "voice_assist/alarm"), ("system", "/diagnostics")]
+    assert heard.by == {"voice_assist/alarm": "system", "/diagnostics": "system"}

@@ -10,6 +10,7 @@ import rospy
 
 from rst_control.config import CONFIG_FOLDER, SceneConfig
 from rst_control.tissue.sheet import rest_points
+from tests.unit.voice_assist.support.heard import Heard
 from typed_config import load_file, load_yaml
 from typed_config.ros import xmlrpc
 from voice_assist.config.believed import believed_config
@@ -21,16 +22,6 @@ from voice_assist.ros.display.pictures import Pictures
 from voice_assist.ros.service_calls import Reply
 
 CONFIG = load_file(DisplayConfig, FILE).picture
-
-
-class Heard:
-    """Stands for ROS: who is believed on each topic."""
-
-    def __init__(self):
-        self.by = {}
-
-    def hear(self, by, topic, kind, callback, **options):
-        self.by[topic] = by
 
 
 @pytest.fixture

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from tests.unit.voice_assist.support.heard import Heard
 from voice_assist.audio.robot_speech import RobotSpeech, RobotSpeechChange
 from voice_assist.config import load_voice_config
 from voice_assist.ros.robot.robot_speech import RobotSpeechTopic
@@ -18,15 +19,13 @@ class Topic:
 
     def __init__(self):
         self.now = 0.0
-        known, longest = SimpleNamespace(hear=self.hear), CONFIG.max_duration
-        self.topic = RobotSpeechTopic(lambda: self.now, known, longest)
-
-    def hear(self, by, name, kind, callback):
-        self.by, self.name, self.callback = by, name, callback
+        self.heard = Heard()
+        self.topic = RobotSpeechTopic(lambda: self.now, self.heard, CONFIG.max_duration)
 
     def report(self, is_speaking, by="/alarms"):
         header = {"callerid": by}
-        self.callback(SimpleNamespace(data=is_speaking, _connection_header=header))
+        message = SimpleNamespace(data=is_speaking, _connection_header=header)
+        self.heard.callbacks["voice_assist/speaking"](message)
 
 
 @pytest.fixture
@@ -35,7 +34,7 @@ def topic():
 
 
 def test_what_is_reported_is_taken_once(topic):
-    assert (topic.by, topic.name) == ("speaker", "voice_assist/speaking")
+    assert topic.heard.by == {"voice_assist/speaking": "speaker"}
     topic.now = 3.0
     topic.report(True)
     assert topic.topic.take() == [RobotSpeechChange(True, 3.0)]

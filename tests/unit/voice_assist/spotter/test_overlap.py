@@ -100,7 +100,7 @@ def test_the_file_holds_no_weight_of_the_frozen_encoder(written):
     assert all(weight.dtype == torch.float16 for weight in state.values())
 
 
-def test_another_encoder_is_refused(written, encoder, tmp_path):
+def test_another_encoder_is_refused(written, encoder):
     path, network = written
     write_overlap(network, "0" * 64, path)
     with pytest.raises(ModelError, match=r"belongs to the encoder 000"):

@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import soxr
 
+from support.theatre_sound import speak
 from tests.unit.voice_assist.support.fake_pipeline import FakeSpotting, decisions, hear, make
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames
 from voice_assist.assembly import make_spotter
-from voice_assist.audio.espeak import espeak
 from voice_assist.audio.source import FRAME
 from voice_assist.config import load_voice_config
 from voice_assist.errors import CommandsError
@@ -65,8 +64,7 @@ def test_after_the_clock_was_set_back_a_spotted_stop_is_taken():
 
 
 def spoken(words, voice="en-us"):
-    samples, rate = espeak(words, voice)
-    sound = soxr.resample(samples.astype(np.float32) / 32768, rate, RATE)
+    sound = speak(words, voice, 175)
     loud = 0.3 * sound / np.abs(sound).max()
     quiet = 2e-4 * np.random.default_rng(0).standard_normal(3 * RATE + len(loud))
     quiet[RATE : RATE + len(loud)] += loud

@@ -3,10 +3,9 @@
 
 import pytest
 
+from tests.unit.voice_assist.support.records import SPEECH_HEAD as HEAD
 from voice_assist.errors import ManifestError
 from voice_assist.training.data.human import ManifestRow, read_manifest
-
-HEAD = "path,kind,transcript,speaker,seconds,licence,source,split\n"
 
 
 def test_a_manifest_of_a_spreadsheet_is_read(tmp_path):

@@ -3,13 +3,12 @@
 
 import hashlib
 import re
-import sys
 
 import pytest
 import whisper
 
 from voice_assist.errors import ModelError
-from voice_assist.training.fit.openai_file import main, openai_name
+from voice_assist.training.fit import openai_file
 
 
 def test_a_known_digest_is_named_and_a_changed_file_refused(tmp_path, monkeypatch):
@@ -17,15 +16,11 @@ def test_a_known_digest_is_named_and_a_changed_file_refused(tmp_path, monkeypatc
     file.write_bytes(b"weights")
     digest = hashlib.sha256(b"weights").hexdigest()
     monkeypatch.setattr(whisper, "_MODELS", {"huge.en": f"there/{digest}/huge.en.pt"})
-    assert openai_name(file) == "huge.en"
+    assert openai_file.openai_name(file) == "huge.en"
     file.write_bytes(b"weights, changed")
     with pytest.raises(ModelError, match=re.escape(f"{file} has the SHA-256 ")):
-        openai_name(file)
+        openai_file.openai_name(file)
 
 
-def test_a_missing_file_is_named_in_words(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(sys, "argv", ["openai_file", str(tmp_path / "no.pt")])
-    with pytest.raises(SystemExit) as ended:
-        main()
-    assert ended.value.code == 2
-    assert "no.pt: no such file" in capsys.readouterr().err
+def test_a_missing_file_is_named_in_words(tmp_path, refused):
+    assert "no.pt: no such file" in refused(openai_file, tmp_path / "no.pt")

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A run goes on with what the same run left, and with nothing else."""
 
-import sys
 from itertools import repeat
 from types import SimpleNamespace
 
@@ -60,18 +59,14 @@ def test_a_finished_run_whose_output_is_missing_writes_its_best_point(finished, 
     ],
 )
 def test_another_run_of_the_same_name_is_refused_before_its_corpus_is_made(
-    finished, tmp_path, monkeypatch, capsys, more, said
+    finished, tmp_path, monkeypatch, refused, more, said
 ):
     monkeypatch.setattr(train_recognizer, "load_corpus", lambda *_: pytest.fail("corpus made"))
     (tmp_path / "manifest.csv").touch()
     more = [str(word).format(tmp_path) for word in more]
     places = ("--cache", str(tmp_path), "--out", str(tmp_path / "m.pt"))
-    monkeypatch.setattr(sys, "argv", ["train", *places, *more])
     before = (finished.folder / "progress.pt").read_bytes()
-    with pytest.raises(SystemExit) as ended:
-        train_recognizer.main()
-    assert ended.value.code == 2
-    line = capsys.readouterr().err
+    line = refused(train_recognizer, *places, *more)
     assert line.count("\n") == 1
     assert line.startswith(f"train_recognizer: {finished.folder} holds a run with ")
     assert said in line

@@ -10,6 +10,7 @@ from unittest.mock import Mock
 import numpy as np
 import pytest
 
+from tests.unit.voice_assist.support.records import SPEECH_HEAD
 from voice_assist.config import load_voice_config
 from voice_assist.training.array_file import write_arrays
 from voice_assist.training.cache_key import digest
@@ -19,8 +20,6 @@ from voice_assist.training.data.synthesis import TrainingClip
 from voice_assist.training.spotter import dataset, trials
 from voice_assist.training.spotter.dataset import SpotterAmounts
 from voice_assist.training.verifier import train_verifier
-
-HEAD = "path,kind,transcript,speaker,seconds,licence,source,split\n"
 
 
 def write_wav(path, level):
@@ -33,7 +32,7 @@ def write_wav(path, level):
 
 def write_manifest(folder, **splits):
     lines = [f"{name}.wav,speech,{name},{name},0.1,CC0,x,{splits[name]}\n" for name in splits]
-    (folder / "manifest.csv").write_text(HEAD + "".join(lines))
+    (folder / "manifest.csv").write_text(SPEECH_HEAD + "".join(lines))
     return read_manifest(folder)
 
 
@@ -102,7 +101,7 @@ def test_the_verifier_learns_from_voices_that_were_installed_since(tmp_path, mon
         monkeypatch.setattr(train_verifier, name, fake)
     monkeypatch.setattr(train_verifier.examples, "save", save)
     monkeypatch.setattr(train_verifier.examples, "load", lambda _: {})
-    (tmp_path / "manifest.csv").write_text(HEAD)
+    (tmp_path / "manifest.csv").write_text(SPEECH_HEAD)
     places = "--speech", tmp_path, "--cache", tmp_path, "--out", tmp_path / "v.pt"
     options = train_verifier.parse(list(map(str, places)))
     for installed, so_far in (([], 1), ([], 1), ([(sound, "release", "kokoro:b")], 2)):

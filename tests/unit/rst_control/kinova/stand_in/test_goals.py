@@ -9,6 +9,11 @@ from tests.unit.rst_control.support.kinova_rig import CONFIG, START, FakeGoal, R
 JOINT = 6
 
 
+@pytest.fixture
+def rig():
+    return Rig()
+
+
 def turn(angle=0.1, time=2.0):
     return FakeGoal((START, 0.0), (move(JOINT, angle), time))
 
@@ -30,15 +35,13 @@ def sent(rig, goal, seconds=0.0):
         (),
     ],
 )
-def test_other_names_or_another_order_are_rejected_and_move_nothing(names):
-    rig = Rig()
+def test_other_names_or_another_order_are_rejected_and_move_nothing(rig, names):
     goal = sent(rig, FakeGoal((START, 0.0), (move(JOINT, 0.1), 2.0), names=names), 4.0)
     assert goal.said == ["rejected"]
     assert rig.first_motion() is None
 
 
-def test_motion_starts_after_the_wait_and_the_first_way_point():
-    rig = Rig()
+def test_motion_starts_after_the_wait_and_the_first_way_point(rig):
     goal = sent(rig, turn(), 8.0)
     assert goal.said == ["accepted", ("succeeded", 0)]
     least = CONFIG.driver.fault_wait + CONFIG.driver.first_duration
@@ -50,8 +53,7 @@ def test_velocities_of_points_are_not_even_read():
     assert not hasattr(FakeGoal((START, 0.0)).goal.points[0], "velocities")
 
 
-def test_a_single_point_is_reached_in_half_a_second_whatever_the_goal_says():
-    rig = Rig()
+def test_a_single_point_is_reached_in_half_a_second_whatever_the_goal_says(rig):
     goal = sent(rig, FakeGoal((move(JOINT, 0.05), 3.0)), 4.0)
     ended = next(t for t, q, _ in rig.seen if abs(q[JOINT] - START[JOINT] - 0.05) < 1e-9)
     assert ended - rig.first_motion() < CONFIG.driver.first_duration + 0.01
@@ -67,8 +69,7 @@ def test_points_at_the_same_time_are_drawn_apart():
     assert rig.arm.position == pytest.approx(points[-1][0])
 
 
-def test_the_end_position_is_never_checked():
-    rig = Rig()
+def test_the_end_position_is_never_checked(rig):
     goal = sent(rig, turn(), 1.5)
     rig.arm._course._end = START.copy()  # the arm ends elsewhere
     rig.run(5.0)
@@ -76,8 +77,7 @@ def test_the_end_position_is_never_checked():
     assert goal.said == ["accepted", ("succeeded", 0)]
 
 
-def test_another_time_tolerance_of_the_goal_counts():
-    rig = Rig()
+def test_another_time_tolerance_of_the_goal_counts(rig):
     goal = FakeGoal((move(JOINT, 0.05), 3.0), time_tolerance=3.5)
     assert sent(rig, goal, 4.0).said == ["accepted", ("succeeded", 0)]
 
@@ -94,15 +94,13 @@ def test_another_time_tolerance_of_the_goal_counts():
         [(move(JOINT, 1.0), 0.0)],  # too fast, since the first point has half a second
     ],
 )
-def test_what_the_arm_does_not_run_is_aborted_without_a_code_and_moves_nothing(points):
-    rig = Rig()
+def test_what_the_arm_does_not_run_is_aborted_without_a_code_and_moves_nothing(rig, points):
     goal = sent(rig, FakeGoal(*points), 4.0)
     assert goal.said == ["accepted", ("aborted", 0)]
     assert rig.first_motion() is None
 
 
-def test_stop_before_motion_waits_for_the_drivers_thread_and_then_prevents_it():
-    rig = Rig()
+def test_stop_before_motion_waits_for_the_drivers_thread_and_then_prevents_it(rig):
     goal = sent(rig, turn(), 0.2)
     rig.driver.take_stop()
     rig.run(0.3)
@@ -112,8 +110,7 @@ def test_stop_before_motion_waits_for_the_drivers_thread_and_then_prevents_it():
     assert goal.said == ["accepted"]  # nobody answers this goal any more
 
 
-def test_stop_in_motion_slows_each_joint_down_by_itself_and_aborts_the_goal():
-    rig = Rig()
+def test_stop_in_motion_slows_each_joint_down_by_itself_and_aborts_the_goal(rig):
     ends = move(JOINT, 0.6)
     ends[0] += 0.6
     goal = sent(rig, FakeGoal((START, 0.0), (ends, 2.0)), 2.8)
@@ -127,8 +124,7 @@ def test_stop_in_motion_slows_each_joint_down_by_itself_and_aborts_the_goal():
     assert goal.said == ["accepted", ("aborted", -4)]
 
 
-def test_a_goal_is_taken_after_a_stop():
-    rig = Rig()
+def test_a_goal_is_taken_after_a_stop(rig):
     sent(rig, turn(), 2.5)
     rig.driver.take_stop()
     rig.run(1.0)
@@ -138,8 +134,7 @@ def test_a_goal_is_taken_after_a_stop():
     assert rig.arm.position == pytest.approx(START)
 
 
-def test_cancel_in_motion_stops_and_is_answered():
-    rig = Rig()
+def test_cancel_in_motion_stops_and_is_answered(rig):
     goal = sent(rig, turn(0.4), 2.5)
     goal.ask_cancel()
     rig.driver.take_cancel()
@@ -148,8 +143,7 @@ def test_cancel_in_motion_stops_and_is_answered():
     assert 0.0 < rig.arm.position[JOINT] - START[JOINT] < 0.4
 
 
-def test_cancel_before_motion_is_late_but_comes_before_motion():
-    rig = Rig()
+def test_cancel_before_motion_is_late_but_comes_before_motion(rig):
     goal = sent(rig, turn(), 0.5)
     goal.ask_cancel()
     rig.driver.take_cancel()
@@ -175,8 +169,7 @@ def test_swapped_notices_do_no_harm_to_a_goal_that_is_left_alone():
     assert sent(rig, turn(), 6.0).said == ["accepted", ("succeeded", 0)]
 
 
-def test_a_new_goal_stops_the_old_one_which_nobody_answers():
-    rig = Rig()
+def test_a_new_goal_stops_the_old_one_which_nobody_answers(rig):
     old = sent(rig, turn(0.4), 2.5)
     new = sent(rig, FakeGoal((START, 0.0), (move(0, 0.05), 2.0)), 0.2)
     assert not rig.arm.velocity.any()
@@ -187,8 +180,7 @@ def test_a_new_goal_stops_the_old_one_which_nobody_answers():
     assert rig.arm.position[0] == pytest.approx(START[0] + 0.05)
 
 
-def test_an_emergency_stop_latches_for_velocities_but_the_next_goal_clears_it_by_itself():
-    rig = Rig()
+def test_an_emergency_stop_latches_for_velocities_but_the_next_goal_clears_it_by_itself(rig):
     sent(rig, turn(), 2.5)
     rig.driver.take_emergency_stop()
     rig.run(0.5)
@@ -202,8 +194,7 @@ def test_an_emergency_stop_latches_for_velocities_but_the_next_goal_clears_it_by
     assert rig.arm.fault == ""
 
 
-def test_clear_faults_lets_velocities_through_again():
-    rig = Rig()
+def test_clear_faults_lets_velocities_through_again(rig):
     rig.driver.take_emergency_stop()
     rig.run(0.2)
     rig.driver.take_clear_faults()
@@ -213,8 +204,7 @@ def test_clear_faults_lets_velocities_through_again():
     assert rig.arm.position[JOINT] > START[JOINT] + 0.02
 
 
-def test_goals_wait_for_each_other():
-    rig = Rig()
+def test_goals_wait_for_each_other(rig):
     first, second = turn(0.01), turn(0.02)
     rig.driver.take_goal(first)
     rig.driver.take_goal(second)

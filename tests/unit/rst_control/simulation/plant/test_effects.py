@@ -21,6 +21,8 @@ from rst_control.simulation.plant.tool_play import ToolPlay
 PLANT = load_simulation_config().plant
 STEP = 0.001  # [s]
 NONE = np.zeros(7)
+STIFFNESS = np.array(PLANT.drives.inertia) * np.array(PLANT.drives.bandwidth) ** 2
+TROCAR = np.array([0.4, 0.0, 0.4])
 
 
 def drives(**changes):
@@ -65,8 +67,7 @@ def test_sliding_without_integral_it_stays_behind_by_friction_over_stiffness():
     config, speed = PLANT.drives, 0.2  # far above the speed of Stribeck's curve
     behind = ramped(drives(integral=(0.0,) * 7), speed, 2.0)[-1]
     friction = np.array(config.sliding_friction) + speed * np.array(config.viscous_friction)
-    stiffness = np.array(config.inertia) * np.array(config.bandwidth) ** 2
-    np.testing.assert_allclose(behind, friction / stiffness, rtol=0.02)
+    np.testing.assert_allclose(behind, friction / STIFFNESS, rtol=0.02)
 
 
 def test_a_motor_at_rest_holds_any_load_below_static_friction():
@@ -80,14 +81,10 @@ def test_a_motor_at_rest_holds_any_load_below_static_friction():
 
 
 def test_the_part_of_the_load_that_is_known_does_not_push():
-    config = replace(
-        PLANT.drives, static_friction=(0.0,) * 7, sliding_friction=(0.0,) * 7, load_known=0.9
-    )
-    motors = Drives(replace(config, integral=(0.0,) * 7), NONE, STEP)
+    motors = frictionless(integral=(0.0,) * 7, load_known=0.9)
     for _ in range(2000):
         motors.advance(NONE, NONE, np.full(7, 10.0))
-    stiffness = np.array(config.inertia) * np.array(config.bandwidth) ** 2
-    np.testing.assert_allclose(motors.position, -0.1 * 10.0 / stiffness, rtol=0.02)
+    np.testing.assert_allclose(motors.position, -0.1 * 10.0 / STIFFNESS, rtol=0.02)
 
 
 def test_slow_motion_sticks_and_slips():
@@ -224,34 +221,35 @@ def test_without_delay_nothing_is_late():
 # The trocar.
 
 
+@pytest.fixture
+def still_wall():
+    return BodyWall(replace(PLANT.body_wall, stroke=0.0), TROCAR)
+
+
 def test_a_trocar_breathes_with_its_stroke_and_rate():
-    home, config = np.array([0.4, 0.0, 0.4]), PLANT.body_wall
-    wall, period = BodyWall(config, np.array([0.4, 0.0, 0.4])), 1.0 / PLANT.body_wall.rate
-    places = np.array([wall.trocar(t) - home for t in np.linspace(0.0, period, 401)])
+    config = PLANT.body_wall
+    wall, period = BodyWall(config, TROCAR), 1.0 / config.rate
+    places = np.array([wall.trocar(t) - TROCAR for t in np.linspace(0.0, period, 401)])
     away = np.linalg.norm(places, axis=1)
     assert away.max() == pytest.approx(config.stroke) and away.argmax() == 200
     assert away[0] == away[-1] == pytest.approx(0.0, abs=1e-12)
     np.testing.assert_allclose(np.cross(places, config.way), 0.0, atol=1e-12)
 
 
-def test_it_pushes_a_shaft_back_by_stiffness_times_the_way_beyond_its_slack():
-    home = np.array([0.4, 0.0, 0.4])
-    wall = BodyWall(replace(PLANT.body_wall, stroke=0.0), home)
-    base, end = home + np.array([0.0, 0.002, 0.1]), home + np.array([0.0, 0.002, -0.2])
-    force, point = wall.force(0.0, base, end)
+def test_it_pushes_a_shaft_back_by_stiffness_times_the_way_beyond_its_slack(still_wall):
+    base, end = TROCAR + np.array([0.0, 0.002, 0.1]), TROCAR + np.array([0.0, 0.002, -0.2])
+    force, point = still_wall.force(0.0, base, end)
     pressed = 0.002 - PLANT.body_wall.slack
     np.testing.assert_allclose(force, [0.0, -PLANT.body_wall.stiffness * pressed, 0.0], atol=1e-9)
-    np.testing.assert_allclose(point, home + np.array([0.0, 0.002, 0.0]), atol=1e-12)
+    np.testing.assert_allclose(point, TROCAR + np.array([0.0, 0.002, 0.0]), atol=1e-12)
     aside = np.array([0.0, PLANT.body_wall.slack - 1e-6, 0.0])
-    assert not wall.force(0.0, home + aside + [0.0, 0.0, 0.1], home + aside)[0].any()
+    assert not still_wall.force(0.0, TROCAR + aside + [0.0, 0.0, 0.1], TROCAR + aside)[0].any()
 
 
 @pytest.mark.parametrize("shift", [(0.0, 0.002, 0.3), (0.2, 0.0, 0.0)], ids=["before", "beside"])
-def test_it_does_not_push_a_shaft_that_is_outside(shift):
-    home = np.array([0.4, 0.0, 0.4])
-    wall = BodyWall(replace(PLANT.body_wall, stroke=0.0), home)
-    base, end = home + shift + [0.0, 0.0, 0.1], home + shift - [0.0, 0.0, 0.2]
-    assert not wall.force(0.0, base, end)[0].any()
+def test_it_does_not_push_a_shaft_that_is_outside(still_wall, shift):
+    base, end = TROCAR + shift + [0.0, 0.0, 0.1], TROCAR + shift - [0.0, 0.0, 0.2]
+    assert not still_wall.force(0.0, base, end)[0].any()
 
 
 # Play.
