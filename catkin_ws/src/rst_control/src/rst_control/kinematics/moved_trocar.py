@@ -13,6 +13,7 @@ from rst_control.kinematics.robot_model import RobotModel
 from rst_control.types import ARM_COUNT, PLAN_COUNT, Vector
 
 ITERATIONS: Final = 4  # of Newton's method: from 8 mm the rest is far below a nanometre
+IN_TROCAR: Final = 1e-3  # [m] from the tip to the trocar: nearer, J loses rank
 RANK: Final = 1e-6  # of the largest singular value: below it the tip is in the trocar
 PASSES: Final = 10  # of the fixed point: each leaves about a tenth
 SHALLOW, DEEP = 0.03, 0.08  # [m] of the tip in the trocar: from here the tip begins to be kept
@@ -34,6 +35,7 @@ def shifted_joints(model: RobotModel, q: Vector, trocar: Vector, shift: Vector) 
     e is the trocar's lateral offset in the shaft's frame, less that before the shift, and the tip's
     place, less that before; J dq = -e with dq = -J^+ e. With the tip in the trocar both say the
     same, so J has less than full rank: the pseudo-inverse drops singular values below `RANK`.
+    Elsewhere J^+ = J^T (J J^T)^-1, which costs less.
 
     Args:
         model: The robot.
@@ -62,7 +64,10 @@ def shifted_joints(model: RobotModel, q: Vector, trocar: Vector, shift: Vector) 
         off = np.array(rcm_offset(frames, moved)[:2]) - lateral
         error = np.concatenate([off, frames[forward.TIP, :, 3] - tip])
         J = np.vstack([J_rcm[:, :ARM_COUNT], J_tip[:3, :ARM_COUNT]])
-        change[:ARM_COUNT] -= np.linalg.lstsq(J, error, rcond=RANK)[0]
+        if abs(depth) > IN_TROCAR:
+            change[:ARM_COUNT] -= J.T @ np.linalg.solve(J @ J.T, error)
+        else:
+            change[:ARM_COUNT] -= np.linalg.lstsq(J, error, rcond=RANK)[0]
     return change
 
 
