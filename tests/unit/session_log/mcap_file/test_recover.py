@@ -3,8 +3,9 @@ import pytest
 from mcap.reader import make_reader
 
 from session_log.errors import OutputFailed
+from session_log.mcap_file.condition import FileCondition
 from session_log.mcap_file.encoding import WrongEncoding
-from session_log.mcap_file.reader import FileCondition, SessionReader
+from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.recover import recover
 from session_log.mcap_file.summary import RecordingSummary, read_summary
 from session_log.types import Message, MessageSource

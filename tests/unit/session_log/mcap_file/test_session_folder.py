@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import logging
+import os
 from pathlib import Path
 
 import pytest
 
 from session_log.config import RecorderConfig
-from session_log.errors import RecordingFailed
+from session_log.errors import RecordingFailed, SessionMissing
 from session_log.mcap_file import session_folder
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.session_folder import (
     open_session,
+    recordings,
     report_folder,
     session_name,
     sessions_folder,
@@ -107,7 +109,7 @@ def test_a_report_lies_beside_its_recording_whatever_lies_in_folders_below(tmp_p
     (tmp_path / "bag.mcap").write_bytes(b"alone here")
     (tmp_path / "below").mkdir()
     (tmp_path / "below" / "other.mcap").write_bytes(b"elsewhere")
-    monkeypatch.setattr(Path, "rglob", pytest.fail)
+    monkeypatch.setattr(session_folder.os, "walk", pytest.fail)
     assert report_folder(tmp_path / "bag.mcap") == tmp_path
     (tmp_path / "other.mcap").write_bytes(b"beside it")
     assert report_folder(tmp_path / "bag.mcap") == tmp_path / "bag"
@@ -116,3 +118,25 @@ def test_a_report_lies_beside_its_recording_whatever_lies_in_folders_below(tmp_p
 def test_a_recording_of_any_other_ending_has_a_place_for_its_report(tmp_path):
     (tmp_path / "session.mcap.old").write_bytes(b"alone")
     assert report_folder(tmp_path / "session.mcap.old") == tmp_path
+
+
+def test_recordings_are_found_in_and_below_a_folder_each_once(tmp_path):
+    paths = [record(tmp_path / "b", b"1"), record(tmp_path, b"2")]
+    (tmp_path / "notes.txt").write_text("no recording", encoding="utf-8")
+    assert recordings([tmp_path, paths[0]]) == sorted(paths)
+
+
+def test_a_folder_below_that_cannot_be_read_is_refused_by_name(tmp_path, monkeypatch):
+    """Its sessions would be missing from the report, and nobody would be told."""
+    record(tmp_path, b"readable")
+    closed, scan = tmp_path / "closed", os.scandir
+    closed.mkdir()
+
+    def refuse(path):
+        if Path(path) == closed:
+            raise PermissionError(13, "Permission denied", str(path))
+        return scan(path)
+
+    monkeypatch.setattr(os, "scandir", refuse)
+    with pytest.raises(SessionMissing, match=r"/closed: Permission denied$"):
+        recordings([tmp_path])

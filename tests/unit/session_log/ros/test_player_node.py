@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from session_log.mcap_file.condition import FileCondition
 from session_log.mcap_file.encoding import WrongEncoding
-from session_log.mcap_file.reader import FileCondition, SessionReader
+from session_log.mcap_file.reader import SessionReader
 from session_log.ros import player_node
 from session_log.types import Message, MessageSource
 from support.story import recording_of
@@ -109,3 +110,23 @@ def test_a_folder_that_may_not_be_read_is_one_line(monkeypatch, tmp_path):
     with pytest.raises(SystemExit) as end:
         player_node.main()
     assert str(end.value) == f"{tmp_path}: Permission denied"
+
+
+@pytest.mark.parametrize("is_whole", [True, False])
+def test_before_it_plays_a_recording_it_says_what_is_wrong_with_it(
+    monkeypatch, tmp_path, capsys, is_whole
+):
+    path = recording_of(tmp_path / "s.mcap").path
+    if not is_whole:
+        path.write_bytes(path.read_bytes()[:-20])
+    monkeypatch.setattr(sys, "argv", ["play", str(path)])
+    monkeypatch.setattr(player_node, "check_master", lambda: None)
+    for name in ("init_node", "Publisher", "set_param"):
+        monkeypatch.setattr(player_node.rospy, name, lambda *_, **__: None)
+    monkeypatch.setattr(player_node.rospy, "is_shutdown", lambda: True)
+    player_node.main()
+    said = capsys.readouterr().out.splitlines()
+    assert [line.partition(":")[0].partition(" at ")[0] for line in said] == [
+        *([] if is_whole else ["not closed", "lost 17 bytes"]),
+        "0 messages played",
+    ]

@@ -160,15 +160,7 @@ def _losses(result: RecordingSummary) -> list[str]:
 
 
 def _troubles(result: RecordingSummary) -> list[str]:
-    condition = result.condition
-    lines = []
-    if not condition.is_closed:
-        lines.append("not closed: the recorder was killed, or is still running")
-    if condition.checksum == "wrong":
-        lines.append("checksum wrong: the file was changed after it was written")
-    lines += result.cuts
-    for damage in condition.damage:
-        lines.append(f"lost {damage.length} bytes at {damage.offset}: {damage.what}")
+    lines = [*result.condition.troubles, *result.cuts]
     if result.missing:
         lines.append(f"{result.missing} messages were received but are not in the file")
     lines += [f"lost on {name}: {loss}" for name, loss in result.dropped.items()]

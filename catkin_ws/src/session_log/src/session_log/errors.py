@@ -15,7 +15,7 @@ class SessionMissing(SessionLogError):
 
     def __init__(self, path: Path, why: str) -> None:
         super().__init__(f"{path}: {why}")
-        self.path, self.why = path, why
+        self.path = path
 
 
 class NotASession(SessionLogError):
@@ -23,7 +23,7 @@ class NotASession(SessionLogError):
 
     def __init__(self, path: Path, found: str) -> None:
         super().__init__(f"{path} is not an MCAP recording: it {found}")
-        self.path, self.found = path, found
+        self.path = path
 
 
 class RecordingFailed(SessionLogError):

@@ -57,6 +57,9 @@ class Damage:
     length: int  # [B]
     what: str
 
+    def __str__(self) -> str:
+        return f"{self.length} bytes at {self.offset}: {self.what}"
+
 
 @dataclass
 class TopicCount:

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from session_log.mcap_file.reader import FileCondition
+from session_log.mcap_file.condition import FileCondition
 from session_log.mcap_file.summary import RecordingSummary
 from session_log.report.session.session_data import SessionData
 from session_log.report.session.shaft import rcm_from_joints

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from session_log.mcap_file.reader import FileCondition
+from session_log.mcap_file.condition import FileCondition
 from session_log.mcap_file.summary import ClockStep, RecordingSummary
 from session_log.report.folder_page import folder_page
 from session_log.report.pool.pool import Pool

@@ -6,7 +6,6 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Collection, Iterator
-from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO
@@ -17,8 +16,8 @@ from mcap.records import Channel, Header, Metadata, Schema
 from session_log.errors import NotASession, SessionMissing
 from session_log.mcap_file import checksums, records
 from session_log.mcap_file.chunk import UNREADABLE, content_of, places_of
+from session_log.mcap_file.condition import FileCondition
 from session_log.mcap_file.records import CHECKSUM_BODY, MAGIC, McapRecord, RecordWalker
-from session_log.mcap_file.writer import LIBRARY
 from session_log.types import MESSAGE_ENCODING, SCHEMA_ENCODING, Damage, Message, MessageSource
 from typed_config import RECORDING, newest_recording
 
@@ -31,32 +30,6 @@ _OURS = {  # among the data
 }
 _EARLIEST = 946_684_800_000_000_000  # [ns] the year 2000; times before it are damage
 _LATEST = 4_102_444_800_000_000_000  # [ns] the year 2100
-
-
-@dataclass
-class FileCondition:
-    """What one pass through a file found out about it; complete when the pass is."""
-
-    size: int = 0  # [B]
-    is_closed: bool = False  # has its ending: the recorder was not killed
-    checksum: str = "none"  # good, wrong or none
-    library: str = ""  # what wrote the file; empty: its header is lost
-    damage: list[Damage] = field(default_factory=list)
-    metadata: list[tuple[str, dict[str, str]]] = field(default_factory=list)
-
-    @property
-    def is_foreign(self) -> bool:
-        """Whether another program wrote the file; not known without a header."""
-        return bool(self.library) and not self.library.startswith(LIBRARY)
-
-    @property
-    def is_numbered(self) -> bool:
-        """Whether our recorder wrote it: numbered, in order of time. Taken so without a header."""
-        return self.library in (LIBRARY, "")
-
-    def latest(self, name: str) -> dict[str, str]:
-        """Return the last metadata record of a name; empty if there is none."""
-        return next((values for n, values in reversed(self.metadata) if n == name), {})
 
 
 class SessionReader:
@@ -234,7 +207,7 @@ class _Pass:
         Another than that of ROS 1 is damage in a file of ours, and where the channel has an MD5
         sum, which only ROS 1 knows.
         """
-        if self._condition.library.startswith(LIBRARY) or "md5sum" in channel.metadata:
+        if self._condition.is_ours or "md5sum" in channel.metadata:
             return MESSAGE_ENCODING, SCHEMA_ENCODING
         lost = SCHEMA_ENCODING if channel.message_encoding == MESSAGE_ENCODING else ""
         return channel.message_encoding, schema.encoding if schema else lost

@@ -8,7 +8,8 @@ from itertools import chain, islice
 from pathlib import Path
 
 from session_log.errors import OutputFailed, RecordingFailed
-from session_log.mcap_file.reader import FileCondition, SessionReader
+from session_log.mcap_file.condition import FileCondition
+from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import ACCOUNT, MessageCounter, RecordingSummary
 from session_log.mcap_file.writer import LIBRARY, SessionWriter
 from session_log.types import Message
@@ -86,7 +87,5 @@ def _account(result: RecordingSummary, source: Path) -> dict[str, str]:
         "messages": str(result.messages),
         "missing_messages": str(result.missing),
         "unreadable_bytes": str(sum(d.length for d in condition.damage)),
-        "damage": "; ".join(
-            f"{d.length} B at {d.offset}: {d.what}" for d in condition.damage[:MOST_DAMAGES]
-        ),
+        "damage": "; ".join(map(str, condition.damage[:MOST_DAMAGES])),
     }

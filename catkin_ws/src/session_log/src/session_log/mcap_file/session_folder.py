@@ -3,9 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import fnmatch
+import os
+from collections.abc import Iterable, Iterator
 from datetime import datetime
 from pathlib import Path
+from typing import NoReturn
 
 from session_log.errors import RecordingFailed, SessionMissing
 from session_log.mcap_file.writer import SessionWriter
@@ -54,13 +57,14 @@ def recordings(inputs: Iterable[Path]) -> list[Path]:
     A recovered copy that a search finds is left out where its original lies beside it.
 
     Raises:
-        SessionMissing: Something named is not there, or holds no recording.
+        SessionMissing: Something named is not there or holds no recording, or a folder below it
+            cannot be read.
     """
     found: dict[Path, Path] = {}
     for path in inputs:
         if not path.exists():
             raise SessionMissing(path, "no such file or folder")
-        below = [path] if path.is_file() else _originals(path.rglob(MCAP))
+        below = [path] if path.is_file() else _originals(_all_below(path))
         if not below:
             raise SessionMissing(path, "a folder without any recording (*.mcap) in or below it")
         for recording in below:
@@ -87,6 +91,16 @@ def report_folder(recording: Path) -> Path:
         r.resolve() != mine for r in _originals(folder.glob(MCAP))
     )
     return folder / recording.stem if has_others else folder
+
+
+def _all_below(folder: Path) -> Iterator[Path]:
+    """All recordings in and below a folder; `rglob` leaves out folders that cannot be read."""
+    for path, _, names in os.walk(folder, onerror=_refuse):
+        yield from (Path(path, name) for name in fnmatch.filter(names, MCAP))
+
+
+def _refuse(error: OSError) -> NoReturn:
+    raise SessionMissing(Path(error.filename), error.strerror or "cannot be read") from error
 
 
 def _originals(found: Iterable[Path]) -> list[Path]:

@@ -7,7 +7,8 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from datetime import datetime
 
-from session_log.mcap_file.reader import FileCondition, SessionReader
+from session_log.mcap_file.condition import FileCondition
+from session_log.mcap_file.reader import SessionReader
 from session_log.types import Message, MessageSource, TopicCount
 
 ACCOUNT = "recovered"  # metadata of a copy: what it was made from

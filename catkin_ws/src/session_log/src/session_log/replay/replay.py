@@ -183,7 +183,7 @@ class _Replayer:
 
     def _damage(self) -> list[str]:
         voice, condition = self._voice, self._reader.condition
-        words = [f"{d.length} bytes at {d.offset}: {d.what}" for d in condition.damage]
+        words = [str(damage) for damage in condition.damage]
         lost = sum(entry.lost_before for entry in voice.utterances)
         for count, what in (
             (lost, "utterances that were recorded"),

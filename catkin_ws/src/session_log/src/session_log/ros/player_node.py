@@ -217,7 +217,9 @@ def main() -> None:
         rospy.init_node("player", anonymous=True)
         prefix = "" if options.recorded_names else PREFIX
         player = RecordingPlayer(reader, options.rate, prefix, live_nodes)
-        player.prepare()
+        player.prepare()  # reads all of it
+        for trouble in reader.condition.troubles:
+            print(trouble, flush=True)
         time.sleep(CONNECT_TIME)
         player.play()
     except SessionLogError as error:

@@ -168,12 +168,12 @@ def from_json(values: dict[str, Any]) -> SessionSummary:
 
 
 def _is_complete(data: SessionData, config: ReportConfig) -> bool:
-    recording, condition = data.recording, data.recording.condition
-    is_sound = condition.is_closed and not condition.damage and condition.checksum != "wrong"
+    recording = data.recording
     lost = recording.missing or recording.dropped or recording.cuts
     elsewhere = namespaces_of(vars(config.topics).values(), recording.topics)
     unread = data.undecodable or data.missing_fields or elsewhere
-    return is_sound and not (lost or unread or recording.clock_steps or data.clock_offsets)
+    changed = recording.clock_steps or data.clock_offsets
+    return not (recording.condition.troubles or lost or unread or changed)
 
 
 def _given(row: CommandRow) -> GivenCommand:
