@@ -81,6 +81,16 @@ def test_every_other_way_led_the_robot_and_a_device_too(session):
     assert [(m.phrase, m.is_done) for m in calls] == [("light on", True)], shown
 
 
+def test_from_the_first_motion_on_no_fault_is_shown(session):
+    folder, shown = session
+    found, has_begun = [], False
+    for _, m in messages(folder / "session.mcap", "/rst_control/event", "/voice_assist/alarm"):
+        has_begun |= m.kind == "motion_started"
+        if has_begun and m.kind == "fault":
+            found.append(m.cause)
+    assert has_begun and not found, shown
+
+
 @pytest.mark.skipif(not find_browser(), reason=MISSING)
 def test_the_page_was_photographed_at_every_moment(session):
     folder, shown = session

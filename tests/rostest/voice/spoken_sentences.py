@@ -5,6 +5,7 @@
 The same sentences are said at rest and in motion.
 """
 
+import json
 from contextlib import suppress
 
 import rospy
@@ -12,6 +13,7 @@ import rospy
 from support.waiting import wait_until
 from tests.support.microphone import Microphone
 from tests.support.robot_client import RobotTest, run_tests
+from typed_config.ros.launch_settings import KEPT, differences
 from voice_assist.msg import Mode, Utterance
 
 READY = 120.0  # [s] allowed for the voice node to listen
@@ -67,6 +69,16 @@ class SpokenSentences(RobotTest):
     def move(self):
         self.robot.say("tense")
         self.robot.wait_for_state("moving")
+
+    def test_no_node_changes_the_settings_of_its_launch(self):
+        """The controller would latch, as where a person changes them."""
+        tree = rospy.get_param("/").items()
+        nodes = {name: of for name, of in tree if isinstance(of, dict) and KEPT in of}
+        self.assertLessEqual({"controller", "robot", "voice_assist"}, nodes.keys())
+        for name, settings in nodes.items():
+            launched = json.loads(settings[KEPT])
+            present = {key: settings.get(key) for key in launched}
+            self.assertEqual(differences(launched, present), [], name)
 
     def test_in_motion_a_stop_in_a_sentence_stops(self):
         """In one of three motions: how often it is heard is what `voice.overlap` measures."""

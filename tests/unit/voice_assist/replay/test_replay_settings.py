@@ -143,6 +143,13 @@ def test_the_recorded_precision_is_kept_where_the_processor_has_it(
     assert all(warning.startswith("confidences may differ a little: ") for warning in warnings)
 
 
+def test_where_the_settings_leave_the_precision_open_the_one_that_heard_is_kept(given, monkeypatch):
+    monkeypatch.setattr(torch.cpu, "_is_avx512_bf16_supported", lambda: True)
+    given["recognizer"]["precision"] = "auto"
+    config, warnings = restore_settings({**given, "precision": "float32"}, None)
+    assert config.recognizer.precision == "float32" and not warnings
+
+
 def test_a_folder_of_recordings_loads_its_model_once(given, monkeypatch):
     loaded = []
     from voice_assist import recognizer

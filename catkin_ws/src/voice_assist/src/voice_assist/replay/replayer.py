@@ -44,8 +44,7 @@ _NEVER_ASKS = {
     "answer": "yes",
     "answer_within": 3.0,
 }
-# Parameters of the node that decide nothing about a sound that was recorded.
-_OTHER_PARAMETERS = ("launched", "believed", "opened_microphone")
+_OTHER_PARAMETERS = ("launched", "believed", "opened_microphone", "precision")  # no sections
 # Sections and settings that an older recording did not have, as the node behaved without them.
 SWITCHED_OFF: dict[str, dict[str, Any]] = {
     "recognizer": {"motion_verification": -1000.0, "ask": _NEVER_ASKS, "precision": "float32"},
@@ -225,6 +224,7 @@ def restore_settings(
     files = section_files(CONFIG_DIR, str(language))
     today = {name: dict(load_yaml(file)) for name, file in files.items()}
     warnings = [] if recorded else ["no settings were recorded; today's are used"]
+    computed = recorded.get("precision")  # where the setting left it to the device
     recorded = {key: value for key, value in recorded.items() if key not in _OTHER_PARAMETERS}
     recorded = with_present_keys(VoiceConfig, recorded)
     for name, off in SWITCHED_OFF.items() if recorded else ():
@@ -238,6 +238,8 @@ def restore_settings(
         recorded = {**recorded, "recognizer": _asks_as_today(recognizer)}
     data = _merge(today, recorded, "", warnings) if recorded else today
     data["recognizer"]["device"] = today["recognizer"]["device"]
+    if computed is not None:
+        data["recognizer"]["precision"] = computed
     if model is not None:
         data["recognizer"]["model"] = model
     config, missing = _in_precision(voice_config(data))

@@ -21,7 +21,11 @@ from voice_assist.config import (
 )
 
 OPENED: Final = "~opened_microphone"  # parameter: name of the one that was opened
-OWN: Final = ("profile", OPENED.removeprefix("~"))  # parameters that the node itself sets
+PROFILE: Final = "~profile"  # parameter: the one in use
+PRECISION: Final = "~precision"  # parameter: in which the recogniser computes, for a replay
+OWN: Final = frozenset(  # of parameters that the node itself sets
+    key.removeprefix("~") for key in (OPENED, PROFILE, PRECISION)
+)
 
 
 def node_settings() -> VoiceConfig:

@@ -35,7 +35,7 @@ from voice_assist.profile.profile import facts_of
 from voice_assist.ros.believed import Believed
 from voice_assist.ros.diagnostics import VoiceDiagnostics, VoiceHealth
 from voice_assist.ros.microphone_service import MicrophoneService
-from voice_assist.ros.node_settings import node_settings
+from voice_assist.ros.node_settings import PRECISION, PROFILE, node_settings
 from voice_assist.ros.other_messages.audio_data_source import AudioDataSource
 from voice_assist.ros.priority import hear_first
 from voice_assist.ros.publishers import Publishers
@@ -85,10 +85,10 @@ class VoiceNode:
         if of_profile := facts_of(recognizer):  # pinned, so that a replay uses the same
             facts |= of_profile
             pinned = replace(config.profile, sha256=of_profile["profile_sha256"])
-            rospy.set_param("~profile", asdict(pinned))
+            rospy.set_param(PROFILE, asdict(pinned))
             rospy.loginfo("profile %(profile)s %(profile_sha256).12s", of_profile)
         self._precision = precision_of(config)
-        rospy.set_param("~recognizer/precision", self._precision)  # for a replay, too
+        rospy.set_param(PRECISION, self._precision)
         self._frames: Queue[Frame | None] = Queue(config.audio.queue)
         self._over = threading.Event()
         self._busy_since: float | None = None  # [s] steady clock, at the frame under recognition
