@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Of all tests: their markers, the examples of property tests, and one thread for each worker."""
+"""Of all tests: their markers, the examples of property tests, and one thread for each library."""
 
 import os
 from pathlib import Path
@@ -7,9 +7,8 @@ from pathlib import Path
 TESTS = Path(__file__).resolve().parent
 # scripts that tests start import `support` and `tests` as well
 os.environ["PYTHONPATH"] = os.pathsep.join((str(TESTS.parent), os.environ.get("PYTHONPATH", "")))
-if "PYTEST_XDIST_WORKER" in os.environ:  # as many workers as cores: threads would be in their way
-    for _library in ("OMP", "OPENBLAS", "MKL", "NUMBA"):
-        os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
+for _library in ("OMP", "OPENBLAS", "MKL", "NUMBA"):  # small arrays: threads are in the way
+    os.environ.setdefault(f"{_library}_NUM_THREADS", "1")
 
 import hypothesis  # noqa: E402  # after the number of threads is set
 

@@ -55,7 +55,7 @@ class Place(Enum):
     """Where the tool has to be when a command is given."""
 
     INSIDE = "tool inserted"
-    INSIDE_OR_HOLDING = "tool inserted, or tissue held"
+    INSIDE_OR_HOLDING = "inserted or not"
     ANYWHERE = "anywhere"
 
 
