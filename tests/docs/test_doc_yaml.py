@@ -55,9 +55,9 @@ def test_another_tool_is_made_by_the_commands_of_the_page(robot):
 
 def test_the_longer_shaft_is_planned_through_the_trocar(robot):
     planner = Planner(robot, load_motion_config())
-    at_grasp = planner.solver.search(planner.T_base_grasp, planner.trocar)
+    at_grasp = planner.solver.search(planner.grasp_candidates[0].T_base_tip, planner.trocar)
     assert at_grasp.is_solved
-    pull = planner.leg(at_grasp.q, _lifted(planner.T_base_grasp))
+    pull = planner.leg(at_grasp.q, _lifted(planner.grasp_candidates[0].T_base_tip))
     for s in np.linspace(0.0, pull.length, 20):
         here = Configuration(robot, pull.evaluate(s).q)
         assert rcm_state(here, planner.trocar).error < 1e-6

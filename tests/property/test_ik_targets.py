@@ -84,7 +84,7 @@ def test_the_published_benchmark_circle_is_solved_at_all_points(planner):
 
 
 def test_settling_gives_one_posture_wherever_it_starts_nearby(planner, home):
-    goal = planner.T_base_grasp
+    goal = planner.grasp_candidates[0].T_base_tip
     rng = np.random.default_rng(5)
     postures = [
         planner.solver.settle(home + rng.uniform(-0.1, 0.1, 9), goal, planner.trocar).q

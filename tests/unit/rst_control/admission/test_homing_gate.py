@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rst_control.admission.homing_gate import VALID_FOR, HomingGate
+from rst_control.admission.first_motion_gate import VALID_FOR
+from rst_control.admission.homing_gate import HomingGate
 from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.types import ControllerMode, Measurement, State

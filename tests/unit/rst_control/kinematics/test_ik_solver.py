@@ -19,7 +19,7 @@ def test_home_is_found_again_from_its_own_tool_pose(planner, home):
 
 
 def test_a_settled_pose_has_the_elbow_where_the_posture_is_best(planner, home):
-    target = planner.T_base_grasp
+    target = planner.grasp_candidates[0].T_base_tip
     settled = planner.solver.settle(home, target, planner.trocar).q
     other = planner.solver.search(target, planner.trocar, home + 0.05).q
     arm = slice(0, 7)
@@ -45,13 +45,13 @@ def test_no_joint_is_turned_past_its_limit_to_be_nearer_to_its_reference(planner
 
 
 def test_the_answer_cannot_be_changed(planner, home):
-    result = planner.solver.settle(home, planner.T_base_grasp, planner.trocar)
+    result = planner.solver.settle(home, planner.grasp_candidates[0].T_base_tip, planner.trocar)
     with pytest.raises(ValueError, match="read-only"):
         result.q[0] = 0.0
 
 
 def test_a_narrow_limit_is_kept_by_another_posture(planner, home):
-    target = planner.T_base_grasp
+    target = planner.grasp_candidates[0].T_base_tip
     free = planner.solver.settle(home, target, planner.trocar).q
     upper = np.array(planner.limits.upper)
     upper[3] = free[3] - 0.02

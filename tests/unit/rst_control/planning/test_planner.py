@@ -122,7 +122,7 @@ def test_too_little_shaft_in_the_trocar_is_refused(planner, home):
 
 
 def test_a_goal_beyond_reach_is_refused(planner, home):
-    goal = planner.T_base_grasp.copy()
+    goal = planner.grasp_candidates[0].T_base_tip.copy()
     goal[:3, 3] = [1.6, 0.0, 0.3]
     with pytest.raises(Infeasible):
         planner.leg(home, goal)
@@ -130,7 +130,7 @@ def test_a_goal_beyond_reach_is_refused(planner, home):
 
 @pytest.fixture
 def aside(planner):
-    goal = planner.T_base_grasp.copy()
+    goal = planner.grasp_candidates[0].T_base_tip.copy()
     goal[:3, 3] += [0.02, 0.03, -0.02]
     return goal
 

@@ -59,7 +59,7 @@ def test_tense_takes_the_tissue_at_the_point_that_was_set(here, aside):
     entry = here.rig.executor.events[-1]
     assert entry.kind == "grasp_set" and "was (0.468000, -0.024000, 0.269000) m" in entry.message
     planner = here.rig.context.current.planner
-    np.testing.assert_allclose(planner.T_base_grasp[:3, 3], point)
+    np.testing.assert_allclose(planner.grasp_candidates[0].T_base_tip[:3, 3], point)
 
 
 def test_setting_moves_nothing_and_keeps_a_latch(here):
@@ -148,7 +148,7 @@ def touching(aside=0.008):
     """A rig whose tip is at a node beside the grasp point, its jaws closed on nothing."""
     here = setting(Rig())
     planner = here.rig.context.current.planner
-    goal = planner.T_base_grasp.copy()
+    goal = planner.grasp_candidates[0].T_base_tip.copy()
     goal[:3, 3] = here.node(aside=aside)
     *_, path = planner.route(np.array(here.scene.home), goal)
     return shown_by_tip(setting(Rig(start=path.end).awake()))

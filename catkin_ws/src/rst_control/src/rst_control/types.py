@@ -11,6 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Vector = NDArray[np.float64]
+# Of settings.
+Triple = tuple[float, float, float]
+Point = Triple  # a place or a direction
+Arm = tuple[float, float, float, float, float, float, float]  # a number for each joint
 
 BASE = "base_link"  # frame of all poses, points and forces
 ARM_JOINTS = tuple(f"joint_{i}" for i in range(1, 8))

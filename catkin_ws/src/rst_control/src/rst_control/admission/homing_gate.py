@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
+from rst_control.admission.first_motion_gate import VALID_FOR
 from rst_control.config import ControllerConfig
 from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.kinematics.configuration import planning_joints
@@ -16,7 +17,6 @@ from rst_control.planning.patient_surface import Patient
 from rst_control.robot.health import joint_in_motion
 from rst_control.types import Measurement
 
-VALID_FOR: Final = 60.0  # [s] that a confirmation holds
 ASK: Final = (
     "dry run: homing moves wrist and jaws over their whole range, {reach:.0f} mm around the wrist. "
     "Look that nothing is there, call rst_control/confirm, then robot/home_tool again"

@@ -11,7 +11,6 @@ from rst_control.types import Reason, Rejected
 
 if TYPE_CHECKING:
     from rst_control.planning.insertion import Leg
-    from rst_control.planning.patient_surface import TrocarPose
 
 
 def insert(context: PlanningContext) -> Accepted | Rejected:
@@ -20,7 +19,7 @@ def insert(context: PlanningContext) -> Accepted | Rejected:
     Raises:
         Infeasible: No way keeps all limits; the error says which.
     """
-    place, minimum = _trocar_pose(context), context.planner.config.rcm.insertion[0]
+    place, minimum = context.trocar_pose, context.planner.config.rcm.insertion[0]
     if place.wrist >= minimum and not place.is_outside:
         words = f"already inserted: {place.wrist * 1e3:.1f} mm of shaft inside the trocar"
         return Rejected(Reason.ALREADY_THERE, words)
@@ -33,19 +32,11 @@ def withdraw(context: PlanningContext) -> Accepted | Rejected:
     Raises:
         Infeasible: No way keeps all limits; the error says which.
     """
-    place = _trocar_pose(context)
+    place = context.trocar_pose
     if place.is_outside:
         words = f"already outside: tip {-place.insertion * 1e3:.1f} mm outside the trocar"
         return Rejected(Reason.ALREADY_THERE, words)
     return _accepted(context, "withdraws", context.insertion.withdraw(context.q))
-
-
-def _trocar_pose(context: PlanningContext) -> TrocarPose:
-    """Of the measured joints."""
-    from rst_control.kinematics.configuration import planning_joints
-
-    q, _ = planning_joints(context.measured.position)
-    return context.planner.patient.trocar_pose(q)
 
 
 def _accepted(context: PlanningContext, verb: str, legs: tuple[Leg, ...]) -> Accepted:

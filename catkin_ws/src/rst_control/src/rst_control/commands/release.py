@@ -34,11 +34,7 @@ def plan(context: PlanningContext) -> Accepted:
 
 def _is_measured_off_trocar(context: PlanningContext) -> bool:
     """So far that the arm may not move: opening the jaws has to do."""
-    from rst_control.kinematics.configuration import planning_joints
-
-    q, _ = planning_joints(context.measured.position)
-    place = context.planner.patient.trocar_pose(q)
-    return is_off_trocar(place, context.planner.config.rcm.measured_tolerance)
+    return is_off_trocar(context.trocar_pose, context.planner.config.rcm.measured_tolerance)
 
 
 def _way_back(context: PlanningContext, grasp: Grasp, ways: tuple[Path, ...]) -> list[Phase]:

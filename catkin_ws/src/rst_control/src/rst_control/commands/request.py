@@ -16,6 +16,7 @@ from rst_control.types import ControllerMode, Measurement, Vector
 
 if TYPE_CHECKING:
     from rst_control.planning.insertion import Insertion
+    from rst_control.planning.patient_surface import TrocarPose
     from rst_control.planning.planner import Planner
     from rst_control.trajectory.path import Path
 
@@ -121,6 +122,13 @@ class PlanningContext:
         setpoint = self.situation.setpoint
         joints = self.measured.position if setpoint is None else setpoint
         return planning_joints(np.asarray(joints))[0]
+
+    @property
+    def trocar_pose(self) -> TrocarPose:
+        """Where tool and arm are, as measured."""
+        from rst_control.kinematics.configuration import planning_joints
+
+        return self.planner.patient.trocar_pose(planning_joints(self.measured.position)[0])
 
     def along(self, kind: PhaseKind, path: Path, speed: float) -> Phase:
         """Phase from one end of a path to the other, at up to `speed` [m/s]."""

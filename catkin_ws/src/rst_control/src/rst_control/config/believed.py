@@ -3,28 +3,33 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 from typed_config import text
 from typed_config.node_names import require_names
 
 
 @dataclass(frozen=True, kw_only=True)
-class BelievedConfig:
+class NodeNames:
+    """Settings of which each lists nodes."""
+
+    def __post_init__(self) -> None:
+        """Check what no key shows alone."""
+        for field in fields(self):
+            require_names(field.name, getattr(self, field.name))
+
+
+@dataclass(frozen=True, kw_only=True)
+class BelievedConfig(NodeNames):
     """Nodes whose messages count for the controller; [] stands for anybody."""
 
     robot: tuple[str, ...] = text()
     tension: tuple[str, ...] = text()
     recorder: tuple[str, ...] = text()
 
-    def __post_init__(self) -> None:
-        """Check what no key shows alone."""
-        for key in ("robot", "tension", "recorder"):
-            require_names(key, getattr(self, key))
-
 
 @dataclass(frozen=True, kw_only=True)
-class BridgeBelievedConfig:
+class BridgeBelievedConfig(NodeNames):
     """Nodes whose messages count for the bridge; [] stands for anybody."""
 
     controller: tuple[str, ...] = text()
@@ -32,8 +37,3 @@ class BridgeBelievedConfig:
     arm: tuple[str, ...] = text()
     tool: tuple[str, ...] = text()
     sensors: tuple[str, ...] = text()
-
-    def __post_init__(self) -> None:
-        """Check what no key shows alone."""
-        for key in ("controller", "guard", "arm", "tool", "sensors"):
-            require_names(key, getattr(self, key))

@@ -5,9 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rst_control.types import Point
 from typed_config import flag, items, number, require_way, text
-
-Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, kw_only=True)

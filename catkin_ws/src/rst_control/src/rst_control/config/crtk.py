@@ -5,25 +5,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rst_control.config.believed import NodeNames
 from rst_control.config.motion import CONFIG_FOLDER
 from typed_config import number, text
-from typed_config.node_names import require_names
 
 CRTK_FILE = CONFIG_FOLDER / "crtk.yaml"
 
 
 @dataclass(frozen=True, kw_only=True)
-class CrtkBelievedConfig:
+class CrtkBelievedConfig(NodeNames):
     """Nodes whose messages count for CRTK's node; [] stands for anybody."""
 
     controller: tuple[str, ...] = text()
     robot: tuple[str, ...] = text()
     clients: tuple[str, ...] = text()
-
-    def __post_init__(self) -> None:
-        """Check what no key shows alone."""
-        for key in ("controller", "robot", "clients"):
-            require_names(key, getattr(self, key))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, TypeVar
+from typing import ClassVar
 
 from rst_control.config.believed import BelievedConfig
 from rst_control.config.callers import CallersConfig
@@ -19,6 +19,7 @@ from rst_control.config.scene import SceneConfig
 from rst_control.config.sensors import SensorConfig
 from rst_control.config.simulator import SimulatorConfig
 from rst_control.config.tracking import TrackingConfig
+from rst_control.types import Arm
 from typed_config import (
     choice,
     integer,
@@ -39,8 +40,6 @@ EMPTY = 0.15  # [rad] between jaws, beyond which they hold nothing: a grasp ends
 MIN_OPEN = 0.2  # [rad] that open jaws stand apart at least: EMPTY and a reserve
 PROMPT = 0.02  # [s] from a set-point to its measurement, for corrected joints, a followed trocar
 ROUNDING = 1e-9  # [-] share by which a quotient of settings may miss its value
-T = TypeVar("T")
-Arm = tuple[float, float, float, float, float, float, float]
 
 
 @dataclass(frozen=True, kw_only=True)

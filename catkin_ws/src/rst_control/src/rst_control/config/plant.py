@@ -5,11 +5,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from rst_control.types import Arm, Point
 from typed_config import integer, number, require, require_way
 
-Arm = tuple[float, float, float, float, float, float, float]
 Ten = tuple[float, float, float, float, float, float, float, float, float, float]
-Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, kw_only=True)

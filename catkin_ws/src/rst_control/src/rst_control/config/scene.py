@@ -9,10 +9,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from rst_control.types import PLAN_COUNT
+from rst_control.types import PLAN_COUNT, Point
 from typed_config import choice, integer, number, require, require_rising, require_way
 
-Point = tuple[float, float, float]
 MIN_ANGLE = 0.02  # [rad] between two directions of a sheet
 MAX_COSINE = 0.7  # of jaw_axis and approach_axis: what is not square is made so, within 45 deg
 

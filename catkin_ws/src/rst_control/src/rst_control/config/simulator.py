@@ -5,11 +5,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rst_control.types import JOINT_COUNT, PLAN_COUNT
+from rst_control.types import JOINT_COUNT, PLAN_COUNT, Point
 from typed_config import choice, flag, integer, number, require, text
 from typed_config.node_names import require_names
-
-Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True, kw_only=True)

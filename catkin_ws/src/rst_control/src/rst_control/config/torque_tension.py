@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
+from rst_control.config.believed import NodeNames
 from rst_control.config.motion import CONFIG_FOLDER, EMPTY
+from rst_control.types import Arm
 from typed_config import integer, load_file, number, require, text
-from typed_config.node_names import require_names
 
-Arm = tuple[float, float, float, float, float, float, float]
 TORQUE_TENSION_FILE = CONFIG_FOLDER / "torque_tension.yaml"
 
 
@@ -44,16 +44,11 @@ class TareConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
-class TorqueBelievedConfig:
+class TorqueBelievedConfig(NodeNames):
     """Nodes whose messages count for the estimator; [] stands for anybody."""
 
     robot: tuple[str, ...] = text()
     controller: tuple[str, ...] = text()
-
-    def __post_init__(self) -> None:
-        """Check what no key shows alone."""
-        for key in ("robot", "controller"):
-            require_names(key, getattr(self, key))
 
 
 @dataclass(frozen=True, kw_only=True)

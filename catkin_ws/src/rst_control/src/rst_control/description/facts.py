@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rst_control.config import CONFIG_FOLDER
+from rst_control.types import Triple
 from typed_config import choice, integer, items, load_file, number, require, text
 
 FACTS_FILE = CONFIG_FOLDER / "gen3_openrst.yaml"
-Triple = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
 DENSITY = (100.0, 20_000.0)  # [kg/m^3] of a body: foam to tungsten
 KEYS = {

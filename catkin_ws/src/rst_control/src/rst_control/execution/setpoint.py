@@ -6,14 +6,14 @@ from __future__ import annotations
 import numpy as np
 
 from rst_control.commands.request import Plan
+from rst_control.config import EMPTY
 from rst_control.execution.motion import Motion, MotionMaker, PathPosition
 from rst_control.kinematics.configuration import planning_joints, robot_joints
 from rst_control.planning.plan import Grasp
-from rst_control.types import JOINT_COUNT, Measurement, Reason, Rejected, Vector
+from rst_control.types import JOINT_COUNT, NOT_CONNECTED, Measurement, Rejected, Vector
 
 STILL = np.zeros(JOINT_COUNT)
 CLOSED = 0.0  # [rad] opening that jaws which hold tissue are sent to, as far as is known
-MAX_KEPT_OPEN = 0.15  # [rad] to which tissue keeps them; jaws that are further open hold none
 
 
 class SetpointState:
@@ -50,7 +50,7 @@ class SetpointState:
     def start(self, plan: Plan, now: float) -> Rejected | None:
         """Set off with a plan, or let it take over from the pull under way."""
         if self.held is None:
-            return Rejected(Reason.NOT_CONNECTED, "robot not connected")
+            return Rejected.by(NOT_CONNECTED)
         made = self._motions.make(plan, self.held, self.motion, self._place, now)
         if isinstance(made, Rejected):
             return made
@@ -99,7 +99,7 @@ class SetpointState:
         self._remember_jaws()
         held = measured.position
         q, opening = planning_joints(held)
-        if measured.gripped and self._sent_to < opening <= MAX_KEPT_OPEN:
+        if measured.gripped and self._sent_to < opening <= EMPTY:
             held = robot_joints(q, self._sent_to)
         self.held, self._place = held, None
         self.changes += 1

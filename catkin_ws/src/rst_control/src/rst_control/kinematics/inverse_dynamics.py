@@ -9,7 +9,6 @@ from xml.etree import ElementTree as Xml
 
 import numpy as np
 import PyKDL
-from numpy.typing import NDArray
 
 from rst_control.errors import RobotModelError
 from rst_control.kinematics.body import TERMS, Body, link_body
@@ -17,7 +16,6 @@ from rst_control.kinematics.mounting import gravity_in_base
 from rst_control.kinematics.robot_model import MOVING, Link, RobotModel, parse_robot
 from rst_control.types import ARM_COUNT, PLAN_COUNT, Vector
 
-Array = NDArray[np.float64]
 TIP = "tool_tip"
 
 

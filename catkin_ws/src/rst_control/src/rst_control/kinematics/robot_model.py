@@ -154,7 +154,7 @@ def _compile(model: RobotModel) -> Array:
     missing += [name for name in FRAMES if name not in model.links]
     if missing:
         raise RobotModelError(f"URDF without {', '.join(missing)}")
-    _check_order(model, by_joint)
+    _check_order(model)
     targets = [by_joint[name] for name in MOVING] + list(FRAMES)
     chain = np.zeros((13, 3, 4))
     chain[:LOCKS] = [_behind_joint(model, name)[:3] for name in targets]
@@ -164,7 +164,7 @@ def _compile(model: RobotModel) -> Array:
     return chain
 
 
-def _check_order(model: RobotModel, by_joint: dict[str, str]) -> None:
+def _check_order(model: RobotModel) -> None:
     """An arm that lacks joints says so: a fixed one, with a link of that name, is in its place."""
     there = [
         link.joint

@@ -20,12 +20,10 @@ from rst_control.config.torque_tension import (
     load_torque_tension,
 )
 from rst_control.robot.setpoint_servo import ServoLimits
-from rst_control.types import ARM_COUNT, JOINTS
+from rst_control.types import ARM_COUNT, JOINTS, Arm, Triple
 from typed_config import choice, flag, load_file, number, require, text
 from typed_config.node_names import require_names
 
-Seven = tuple[float, float, float, float, float, float, float]
-Triple = tuple[float, float, float]
 TOOL_COUNT = 3  # joints of OpenRST: pitch, left jaw, right jaw
 BEAT_PERIOD = 0.02  # [s] at most, between two beats of the bridge for its guard
 
@@ -39,7 +37,7 @@ class ArmConfig:
     namespace: str = text()
     joints: tuple[str, ...] = text()
     period: float = number(0.005, 0.1, "s")
-    acceleration: Seven = number(0.1, 100.0, "rad/s^2")
+    acceleration: Arm = number(0.1, 100.0, "rad/s^2")
     lag: float = number(0.0, 0.2, "s")
     gain: float = number(0.1, 10.0, "1/s")
     correction_speed: float = number(1e-4, 0.2, "rad/s")

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from rst_control.errors import RstError
+from rst_control.kinematics.joint_limits import TURN
 from rst_control.types import Vector, frozen_array
-
-TURN = 2.0 * np.pi
 
 
 class BadFeedback(RstError):
@@ -35,6 +34,11 @@ def unwrapped(position: Vector, last: Vector) -> Vector:
     the last one is NaN the position is left as it is.
     """
     return position - TURN * np.nan_to_num(np.round((position - last) / TURN))
+
+
+def rows_of(message: object) -> dict[str, Sequence[float]]:
+    """Values of a sensor_msgs/JointState, as `FeedbackReader.read` takes them."""
+    return {row: getattr(message, row) for row in ("position", "velocity", "effort")}
 
 
 class FeedbackReader:

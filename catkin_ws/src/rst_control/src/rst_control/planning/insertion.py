@@ -87,7 +87,7 @@ class Insertion:
             Infeasible: No joints within their limits take the tool there.
         """
         home, planner = np.array(self._scene.home), self._planner
-        if self._patient.trocar_pose(home).error <= 0.1 * self._rcm.planned_tolerance:
+        if self._patient.trocar_pose(home).error <= planner.seated:
             return home
         found = planner.solver.settle(home, self._home_pose, planner.trocar)
         if not found.is_solved:

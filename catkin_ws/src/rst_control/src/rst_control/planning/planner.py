@@ -70,7 +70,6 @@ class Planner:
         self.checks = PathChecks(model, config, self.limits, collisions, self.trocar)
         self.patient = Patient(model, config)
         self.grasp_candidates = grasp_candidates(config.scene)
-        self.T_base_grasp = self.grasp_candidates[0].T_base_tip
 
     def warm_up(self) -> None:
         """Compile or load every kernel, by planning once from home."""
@@ -135,7 +134,7 @@ class Planner:
             Infeasible: No such way keeps all limits; the error says which.
         """
         paths: list[Path] = []
-        if rcm_state(Configuration(self.model, q), self.trocar).error > self._seated:
+        if rcm_state(Configuration(self.model, q), self.trocar).error > self.seated:
             paths.append(self.seat(q))
             q = paths[-1].end
         for goal in goals:
@@ -221,7 +220,8 @@ class Planner:
         return before
 
     @property
-    def _seated(self) -> float:
+    def seated(self) -> float:
+        """Distance of a seated shaft from the trocar, at most [m]."""
         return 0.1 * self.config.rcm.planned_tolerance
 
     def _distance(self, q: Vector, goal: Array) -> float:

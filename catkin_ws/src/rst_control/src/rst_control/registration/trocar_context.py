@@ -20,7 +20,7 @@ from rst_control.kinematics.rcm import RcmState, rcm_state
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.planning.patient_surface import TrocarPose
 from rst_control.planning.planner import Planner
-from rst_control.types import Rejected, Vector
+from rst_control.types import Point, Rejected, Vector
 
 SCENE: Final = "scene.yaml"  # source of what nobody has set yet
 
@@ -119,7 +119,7 @@ class ActiveTrocarContext:
         return self.current.planner.patient.trocar_pose(planning_joints(joints)[0])
 
 
-def _point(values: Sequence[float]) -> tuple[float, float, float]:
+def _point(values: Sequence[float]) -> Point:
     x, y, z = (float(value) for value in values)
     return x, y, z
 

@@ -6,8 +6,9 @@ from __future__ import annotations
 import numpy as np
 
 from rst_control.config import SceneConfig
-from rst_control.simulation.tissue import SimulatedTissue, Vector
+from rst_control.simulation.tissue import SimulatedTissue
 from rst_control.tissue.triangulation import Triangulation, triangulation
+from rst_control.types import Vector
 
 
 def exposure(tissue: SimulatedTissue, scene: SceneConfig, force: Vector) -> Triangulation | None:

@@ -17,7 +17,6 @@ from typing import Self
 
 import numpy as np
 import pybullet
-from numpy.typing import NDArray
 
 from rst_control.kinematics import forward
 from rst_control.kinematics.mounting import gravity_in_base
@@ -26,14 +25,12 @@ from rst_control.kinematics.robot_model import load_robot as load_model
 from rst_control.kinematics.rotations import quaternion
 from rst_control.simulation.jaw_tips import JawTips
 from rst_control.simulation.rigid_parts import joined
-from rst_control.types import JOINTS
+from rst_control.types import JOINTS, Vector
 
 MOTOR_GAIN = 1.0  # share of the gap to the course that is closed in one step
 WRIST = "joint_7"  # its link carries the shaft
 JOINT_NAME, TORQUE_LIMIT, LINK_NAME = 1, 10, 12  # fields of getJointInfo
 FINGERS = ("finger_left_link", "finger_right_link")
-
-Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rst_control.config import URDF_FILE, LimitsConfig, SimulationConfig
 from rst_control.kinematics.configuration import robot_joints
@@ -19,10 +18,9 @@ from rst_control.robot.setpoint_servo import Servo, ServoLimits, ServoState, war
 from rst_control.simulation.physics import JointReading, RobotPhysics
 from rst_control.simulation.plant import LabPlant, PlantInput
 from rst_control.simulation.tissue import Jaws, SimulatedTissue
-from rst_control.types import ARM_COUNT, JOINTS, Measurement, Setpoint, unit_vector
+from rst_control.types import ARM_COUNT, JOINTS, Measurement, Setpoint, Vector, unit_vector
 from typed_config import ConfigError
 
-Vector = NDArray[np.float64]
 IDEAL = "ideal"  # simulator.plant
 
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from rst_control.config import TissueConfig
 from rst_control.simulation.mass_spring import MassSpringSheet, SheetMaterial
 from rst_control.tissue.sheet import rest_points, rim_nodes
+from rst_control.types import Vector
 
-Vector = NDArray[np.float64]  # (3,)
 NOTHING = np.zeros(3)
 RELAXATION_STEPS = 4000  # of calibration: the slowest vibration has died out by then
 REST_STRIDE = 64  # steps between checks whether a free sheet has come to rest

@@ -24,7 +24,6 @@ Points = NDArray[np.float64]  # (n, 3), base frame, [m]
 class Triangulation:
     """A sheet as it is held."""
 
-    anchors: Points  # (2, 3), the fixed points of the triangle
     grasp_error: float  # [m]
     min_angle: float  # [rad]
     out_of_plane: float  # [m] rms of the nodes within the triangle, from its plane
@@ -66,12 +65,11 @@ def triangulation(
     Raises:
         ValueError: The rim has fewer than two nodes.
     """
-    anchors = best_anchors(nodes[rim], jaws)
+    a, b = best_anchors(nodes[rim], jaws)
     return Triangulation(
-        anchors=anchors,
         grasp_error=float(np.linalg.norm(missed)),
-        min_angle=float(triangle_angles(anchors[0], anchors[1], jaws).min()),
-        out_of_plane=out_of_plane(nodes, anchors[0], anchors[1], jaws),
+        min_angle=float(triangle_angles(a, b, jaws).min()),
+        out_of_plane=out_of_plane(nodes, a, b, jaws),
         tension=tension,
         strain=strain,
     )

@@ -16,20 +16,19 @@ from enum import Enum
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rst_control.errors import RstError
 from rst_control.kinova.arm_state import ArmReport, ArmState, Banks
 from rst_control.kinova.stand_in.config import DriverConfig
 from rst_control.kinova.stand_in.joint_ramps import fastest_towards_limits, ramped
 from rst_control.kinova.stand_in.waypoints import ArmLimits, Course, Waypoint, objections
+from rst_control.types import Vector
 
 log = logging.getLogger("rosout.rst_control.kinova_stand_in")
 
 DRIVER: Final = 1  # connection of the driver
 EMERGENCY: Final = Banks(1 << 23)
 JOINT_FAULT: Final = Banks(1 << 4)
-Vector = NDArray[np.float64]
 STILL = 1e-9  # [rad/s] below which a joint stands
 
 

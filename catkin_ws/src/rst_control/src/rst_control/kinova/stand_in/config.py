@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import ClassVar
 
 from rst_control.config import CONFIG_FOLDER
+from rst_control.types import Arm, Triple
 from typed_config import flag, integer, load_file, number, require, text
 
-Arm = tuple[float, float, float, float, float, float, float]
-Triple = tuple[float, float, float]
 FILE = "kinova_stand_in.yaml"
 
 

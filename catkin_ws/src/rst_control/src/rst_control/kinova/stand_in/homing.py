@@ -7,11 +7,10 @@ The jaws and the wrist move over their whole range, so this is for outside of a 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rst_control.kinova.stand_in.config import OpenRstConfig
+from rst_control.types import Vector
 
-Vector = NDArray[np.float64]
 PITCH, LEFT, RIGHT = range(3)
 # Joint, end of its range in our model's signs, whether the node waits there. The order is the
 # node's; the jaw that is not driven is where it does not meet the other.

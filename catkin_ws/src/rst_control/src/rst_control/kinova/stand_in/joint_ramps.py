@@ -4,9 +4,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
+from rst_control.types import Vector
 
 
 def ramped(speed: Vector, wanted: Vector, acceleration: Vector, time: float) -> Vector:

@@ -12,15 +12,14 @@ import logging
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rst_control.kinova.stand_in.config import OpenRstConfig
 from rst_control.kinova.stand_in.homing import Homing
 from rst_control.kinova.tool import ToolState
+from rst_control.types import Vector
 
 log = logging.getLogger("rosout.rst_control.openrst")
 
-Vector = NDArray[np.float64]
 Reply = Callable[[bool], None]
 STILL = 1e-6  # [rad/s] below which a joint stands
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rst_control.config import LimitsConfig, SimulatorConfig
 from rst_control.kinova.arm_state import ArmReport, SoftLimits
@@ -20,9 +19,8 @@ from rst_control.kinova.stand_in.waypoints import ArmLimits
 from rst_control.robot.backend import RobotBackend
 from rst_control.simulation.physics import JointReading
 from rst_control.simulation.tissue import SimulatedTissue
-from rst_control.types import Setpoint
+from rst_control.types import Setpoint, Vector
 
-Vector = NDArray[np.float64]
 ARM = slice(0, 7)
 TOOL = slice(7, 10)
 AFTER = 0.050  # [s] for which the joints are still led once nothing moves

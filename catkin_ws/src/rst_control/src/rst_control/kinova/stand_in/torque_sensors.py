@@ -4,11 +4,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rst_control.kinova.stand_in.config import TorqueConfig
+from rst_control.types import Vector
 
-Vector = NDArray[np.float64]
 SLOW = 0.005  # [rad/s] below which friction fades, so that a joint at rest has none
 
 

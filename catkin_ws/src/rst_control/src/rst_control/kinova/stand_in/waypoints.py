@@ -15,9 +15,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
+from rst_control.types import Vector
+
 SAMPLES = 5  # within each stretch between two way-points, to find its greatest speed
 
 

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Asks the system to run a node with a loop before everything else on the machine."""
+"""Lets a node with a loop run before everything else on the machine and in its process."""
 
 from __future__ import annotations
 
+import gc
 import os
+import sys
 from contextlib import suppress
 from pathlib import Path
 
@@ -11,6 +13,14 @@ import rospy
 
 LEVEL = 5  # of the real-time policy, low: what the kernel itself needs goes first
 NICE = -10
+SWITCH_INTERVAL = 1e-4  # [s] how long another Python thread may keep the interpreter from the loop
+
+
+def spare_the_loop() -> None:
+    """Keep other Python threads and the collection of garbage from holding up the loop."""
+    sys.setswitchinterval(SWITCH_INTERVAL)
+    gc.collect()
+    gc.freeze()
 
 
 def ask_for_priority() -> str:

@@ -7,17 +7,16 @@ import ctypes
 import gc
 import logging
 import os
-import sys
 import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
 
 from rst_control.execution.loop_statistics import LoopStatistics
+from rst_control.ros.common.priority import spare_the_loop
 
 log = logging.getLogger("rosout.rst_control.loop")
 
-SWITCH_INTERVAL = 1e-4  # [s] how long another Python thread may keep the interpreter from the loop
 _PR_SET_TIMERSLACK = 29
 _TIMER_SLACK = 1_000  # [ns] how much later than asked the kernel may wake the loop
 
@@ -40,9 +39,7 @@ class ControlLoop:
         self._thread = threading.Thread(target=self._run, name="control_loop", daemon=True)
 
     def __enter__(self) -> ControlLoop:
-        sys.setswitchinterval(SWITCH_INTERVAL)
-        gc.collect()
-        gc.freeze()
+        spare_the_loop()
         gc.disable()  # the node collects by itself, while nothing moves
         self._thread.start()
         return self

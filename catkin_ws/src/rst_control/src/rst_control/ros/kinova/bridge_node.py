@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import gc
-import sys
 import threading
 import time
 from collections import deque
@@ -25,7 +23,7 @@ from rst_control.kinova.bridge import Bridge
 from rst_control.kinova.config import BEAT_PERIOD, KinovaConfig, require_drivable
 from rst_control.kinova.homing import NotAllowed, home
 from rst_control.msg import BridgeBeat
-from rst_control.ros.common.priority import ask_for_priority
+from rst_control.ros.common.priority import ask_for_priority, spare_the_loop
 from rst_control.ros.common.raw_messages import RawJointState
 from rst_control.ros.common.republisher import Due, Repeated
 from rst_control.ros.common.serialization import BadMessage, JointStateReader
@@ -60,7 +58,6 @@ NOBODY_KNOWS = (
 )
 MAX_JOBS = 1000  # that wait for the loop; set-points beyond are missed
 STILL = np.zeros(len(JOINTS))
-SWITCH_INTERVAL = 1e-4  # [s] how long another Python thread may keep the interpreter from the loop
 
 
 class KinovaBridgeNode:
@@ -335,8 +332,6 @@ def main() -> None:
         config = load_config(KinovaConfig, launch_settings(), "bridge parameters")
         require_drivable(config)
         node = KinovaBridgeNode(config, robot_description())
-    sys.setswitchinterval(SWITCH_INTERVAL)
-    gc.collect()
-    gc.freeze()
+    spare_the_loop()
     rospy.on_shutdown(node.close)
     node.run()

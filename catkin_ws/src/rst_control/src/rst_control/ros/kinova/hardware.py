@@ -15,7 +15,7 @@ from std_msgs.msg import Empty, Float64MultiArray, Int32MultiArray
 from rst_control.kinova.arm_state import ArmReport
 from rst_control.kinova.brake_plan import BrakePlan
 from rst_control.kinova.config import BridgeConfig
-from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback
+from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback, rows_of
 from rst_control.ros.kinova.arm_report import read_report
 from rst_control.types import Vector
 from typed_config.ros.known_publishers import KnownPublishers
@@ -158,13 +158,8 @@ def _to(
 ) -> Callable[[JointState], None]:
     def on_message(message: JointState) -> None:
         arrived = time.monotonic()
-        values = {
-            "position": message.position,
-            "velocity": message.velocity,
-            "effort": message.effort,
-        }
         try:
-            take(reader.read(message.name, values, arrived))
+            take(reader.read(message.name, rows_of(message), arrived))
         except BadFeedback as error:  # it counts as not having come: the states grow old
             rospy.logwarn_throttle(SAY_AGAIN, str(error))
 

@@ -25,7 +25,7 @@ from rst_control.config.torque_tension import TORQUE_TENSION_FILE
 from rst_control.errors import RstError
 from rst_control.kinova.arm_state import ArmReport, SoftLimits
 from rst_control.kinova.config import KinovaConfig
-from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback
+from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback, rows_of
 from rst_control.kinova.live_checks import LiveChecks, Observed, table
 from rst_control.ros.kinova.arm_report import ask_firmware, ask_limits, read_report
 from typed_config import (
@@ -92,7 +92,7 @@ class _Observer:
         with self._lock:
             self._heard.clock = time.time() - message.header.stamp.to_sec()
             try:
-                self._heard.arm.append(self._arm.read(message.name, _values(message), arrived))
+                self._heard.arm.append(self._arm.read(message.name, rows_of(message), arrived))
             except BadFeedback as error:
                 self._heard.bad_feedback = str(error)
 
@@ -104,7 +104,7 @@ class _Observer:
         with self._lock:
             try:
                 now = time.monotonic()
-                self._heard.tool = self._tool.read(message.name, _values(message), now)
+                self._heard.tool = self._tool.read(message.name, rows_of(message), now)
             except BadFeedback as error:
                 self._heard.bad_tool = str(error)
 
@@ -120,10 +120,6 @@ class _Observer:
     def _on_guard(self, _: Empty) -> None:
         with self._lock:
             self._heard.guard_beats += 1
-
-
-def _values(message: JointState) -> dict[str, Any]:
-    return {name: getattr(message, name) for name in ("position", "velocity", "effort")}
 
 
 def _observed(observer: _Observer, seconds: float, arm: str) -> Observed:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import logging
 import threading
 import time
 from collections import deque
@@ -34,8 +33,6 @@ from rst_control.ros.kinova.arm_report import read_report, written_limits, writt
 from rst_control.ros.kinova.stand_in_goals import RosGoal
 from rst_control.ros.simulator.messages import Stamper, StateWriter
 from rst_control.simulation.pybullet_robot import PybulletRobot
-
-log = logging.getLogger("rosout.rst_control.kinova_stand_in")
 
 HOMING_LIMIT = 120.0  # [s] for a request to be answered
 FIRMWARE = "stand-in"

@@ -3,9 +3,7 @@
 
 from __future__ import annotations
 
-import gc
 import logging
-import sys
 import threading
 import time
 from collections import deque
@@ -24,7 +22,7 @@ from rst_control.config.plant import LatenessConfig
 from rst_control.errors import RstError
 from rst_control.kinova.stand_in import StandInConfig, as_driven
 from rst_control.robot.setpoint_servo import ServoState
-from rst_control.ros.common.priority import ask_for_priority
+from rst_control.ros.common.priority import ask_for_priority, spare_the_loop
 from rst_control.ros.kinova.stand_in_interface import DriverInterface
 from rst_control.ros.rospy_patches.message_limits import limit_messages
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
@@ -45,7 +43,6 @@ from typed_config.ros.starting import starting, wait_for_clock
 
 log = logging.getLogger("rosout.rst_control.simulator")
 
-SWITCH_INTERVAL = 1e-4  # [s] how long another Python thread may keep the interpreter from the loop
 JOB_LIMIT = 5.0  # [s] for the loop to take up what a service asks for
 FINE_RATE = 1000.0  # [Hz] of the physics, from which the figures of motion are measured
 COARSE = "physics at %g Hz, below %g Hz: the shaft leaves the trocar further than a robot's would"
@@ -228,9 +225,7 @@ def main() -> None:
         if config.simulator.real_time_factor == 1.0:
             wait_for_clock()  # else the clock is that of this node
         node = SimulatorNode(config, Path(str(given.get("urdf", URDF_FILE))), stand_in)
-    sys.setswitchinterval(SWITCH_INTERVAL)
-    gc.collect()
-    gc.freeze()
+    spare_the_loop()
     try:
         node.run()
     except rospy.ROSInterruptException:

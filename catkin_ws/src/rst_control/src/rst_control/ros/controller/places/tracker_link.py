@@ -53,7 +53,7 @@ class TrackerLink:
     ) -> None:
         self._config, self._frames, self._clock = config, frames, clock
         self._grasp, self._trocar = grasp, trocar
-        self._tracker, self._words = "", ""
+        self._tracker = ""
         self._unknown_frames: dict[str, Cause] = {}  # by what is reported in them
         by = config.tracker
         for name, kind, take in (

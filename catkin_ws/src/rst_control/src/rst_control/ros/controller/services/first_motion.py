@@ -11,8 +11,8 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from rst_control.admission.callers import CallLimiter
 from rst_control.admission.command_queue import Verify
-from rst_control.admission.first_motion_gate import FirstMotion
-from rst_control.admission.homing_gate import VALID_FOR, HomingGate
+from rst_control.admission.first_motion_gate import VALID_FOR, FirstMotion
+from rst_control.admission.homing_gate import HomingGate
 from rst_control.commands.request import Plan
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.common.marker_topic import MarkerTopic
