@@ -211,6 +211,21 @@ def test_the_stop_guard_is_said_to_be_well_only_as_far_as_is_known(
     assert "ROS_IP" in row.next_step or is_met is not False
 
 
+@pytest.mark.parametrize("is_named", [True, False])
+def test_a_system_in_a_namespace_has_its_own_drivers_and_nodes(
+    kinova, motion_config, seen, is_named
+):
+    def below(names):
+        return {f"/left{topic}": [f"/left{node}" for node in names[topic]] for topic in names}
+
+    trocar, text = np.array(motion_config.scene.trocar), URDF_FILE.read_text(encoding="utf-8")
+    named = "/left{}".format if is_named else str
+    results = LiveChecks(kinova, trocar, text, 1e-3, named)(
+        replace(seen, publishers=below(PUBLISHERS), subscribers=below(SUBSCRIBERS))
+    )
+    assert (failed(results) == {}) is is_named
+
+
 @pytest.mark.parametrize("beats", [(), ("/kinova_bridge",)])
 @pytest.mark.parametrize("topic", ["in/stop", "in/joint_velocity"])
 def test_a_stop_guard_of_another_arm_is_named(checks, seen, topic, beats):

@@ -25,8 +25,7 @@ from typed_config.node_names import is_allowed
 MIN_SHARE: Final = 0.95  # of the arm's feedback_rate
 MAX_CLOCK: Final = 0.5  # [s] between the clocks of two hosts
 ALIKE: Final = 20  # states without any change, which no arm with torque sensors gives
-BRIDGE: Final = ("/kinova_bridge", "/kinova_guard")
-GUARD: Final = "/kinova_guard/alive"
+BRIDGE, GUARD = "/kinova_bridge", "/kinova_guard"  # nodes
 STOPPING: Final = ("in/joint_velocity", "in/stop")  # of the arm's driver: what brakes and stops it
 MOTION: Final = (
     "in/joint_velocity",
@@ -74,14 +73,21 @@ class LiveChecks:
         trocar: As measured, base frame, [m]. Shape (3,).
         description: URDF text of the robot.
         tolerance: Of the shaft from the trocar [m].
+        named: Makes the whole name, where the system runs in a namespace, of one without it.
 
     Raises:
         RobotModelError: The URDF is not this robot's.
     """
 
     def __init__(
-        self, config: KinovaConfig, trocar: Vector, description: str, tolerance: float
+        self,
+        config: KinovaConfig,
+        trocar: Vector,
+        description: str,
+        tolerance: float,
+        named: Callable[[str], str] = str,
     ) -> None:
+        self._named = named
         self._config, self._trocar, self._tolerance = config, trocar, tolerance
         self._description, self._model = description, parse_robot(description)
         self._arm, self._tool = config.bridge.arm, config.bridge.tool
@@ -180,7 +186,7 @@ class LiveChecks:
         if nodes is None:
             return CheckResult(name, None, "the master does not answer")
         believed = self._config.bridge.believed.arm
-        is_met = len(nodes) == 1 and is_allowed(nodes[0], tuple(believed))
+        is_met = len(nodes) == 1 and is_allowed(nodes[0], tuple(map(self._named, believed)))
         step = "end the others; bridge.believed.arm names who is believed"
         return CheckResult(name, is_met, _words(nodes), step)
 
@@ -200,7 +206,7 @@ class LiveChecks:
             nodes = self._nodes(seen.publishers, topic)
             if nodes is None:
                 return CheckResult(name, None, "the master does not answer")
-            found |= {node for node in nodes if node not in BRIDGE}
+            found |= set(nodes) - {self._named(BRIDGE), self._named(GUARD)}
         words = _words(sorted(found)) if found else "nobody"
         return CheckResult(name, not found, words, "end it: the driver obeys anybody")
 
@@ -291,12 +297,12 @@ class LiveChecks:
             return CheckResult(name, None, "not there; kinova.launch starts it")
         if seen.publishers is None:
             return CheckResult(name, None, "silent; the master does not answer")
-        guards, senders = seen.publishers.get(GUARD, ()), seen.publishers
+        guards, senders = seen.publishers.get(self._named(f"{GUARD}/alive"), ()), seen.publishers
         astray = {g for t in STOPPING for g in guards if g not in (self._nodes(senders, t) or ())}
         if astray:
             found = f"{_words(sorted(astray))} guards another arm than {self._arm.namespace}"
             return CheckResult(name, False, found, "arm:= of kinova_guard.launch")
-        if bridges := seen.publishers.get("/kinova_bridge/beat"):
+        if bridges := seen.publishers.get(self._named(f"{BRIDGE}/beat")):
             found = f"it runs, and does not hear {_words(bridges)}, or the driver does not hear it"
             step = "its log; ROS_IP of both hosts, guard.bridge; rosnode cleanup after a dead one"
             return CheckResult(name, False, found, step)
@@ -305,7 +311,7 @@ class LiveChecks:
     def _nodes(self, by_topic: Mapping[str, Sequence[str]] | None, topic: str) -> list[str] | None:
         if by_topic is None:
             return None
-        return sorted(by_topic.get(f"/{self._arm.namespace}/{topic}", ()))
+        return sorted(by_topic.get(self._named(f"/{self._arm.namespace}/{topic}"), ()))
 
     def _joints(self, seen: Observed, state: JointFeedback) -> Vector:
         """All ten joints [rad]; a tool that says nothing counts as straight."""

@@ -37,6 +37,7 @@ from typed_config import (
     number_option,
     overlaid,
 )
+from typed_config.ros.system_names import of_this_system
 from typed_config.ros.xmlrpc import FAILURES, ask_master, master_problem
 
 
@@ -180,7 +181,8 @@ def _checks(given: argparse.Namespace) -> tuple[LiveChecks, KinovaConfig]:
     rcm = load_file(RcmConfig, CONFIG_FOLDER / "rcm.yaml")
     trocar = np.array(given.trocar or config.scene.trocar)
     description = given.urdf.read_text(encoding="utf-8")
-    return LiveChecks(config, trocar, description, rcm.measured_tolerance), config
+    checks = LiveChecks(config, trocar, description, rcm.measured_tolerance, of_this_system)
+    return checks, config
 
 
 def _config(given: argparse.Namespace) -> KinovaConfig:
