@@ -20,6 +20,7 @@ from typed_config.ros import xmlrpc
 from voice_assist.config import CONFIG_DIR
 from voice_assist.config.display import FILE, DisplayConfig
 from voice_assist.display.theatre import Limits, Theatre
+from voice_assist.msg import Utterance
 from voice_assist.ros.alarms.alarm_watch import AlarmWatch
 from voice_assist.ros.display import acts as acts_module
 from voice_assist.ros.display import node as node_module
@@ -266,3 +267,11 @@ def test_what_went_out_without_an_answer_may_still_be_taken(monkeypatch, acts, a
         monkeypatch.setattr(acts_module, "call_service", lambda *_, reply=reply, **__: reply)
         outcome = act(acts)
         assert (outcome.is_done, outcome.words) == (False, said)
+
+
+@pytest.mark.parametrize(("words", "wer", "shown"), [("up", 1.0, "stop"), ("pull more", 0.0, "")])
+def test_of_what_follows_a_stop_in_one_breath_a_command_is_shown(node, words, wer, shown):
+    node._theatre.see_sound(-31.0)
+    node._on_utterance(Utterance(command="stop", transcript="stop", wer=[0.0]))
+    node._on_utterance(Utterance(transcript=words, wer=[wer, 1.0], reason_code="same_breath"))
+    assert node._theatre.snapshot().hearing.utterance.command == shown

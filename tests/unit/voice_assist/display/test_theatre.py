@@ -76,6 +76,17 @@ def test_text_as_it_is_heard_and_what_a_device_answered_go_with_the_next_word_or
     assert shown() == ""
 
 
+@pytest.mark.parametrize(
+    ("before", "is_rest", "shown"),
+    [("stop", True, "stop"), ("stop", False, ""), ("", True, "")],
+)
+def test_the_rest_of_a_stop_takes_no_place_of_it(theatre, before, is_rest, shown):
+    theatre.see_utterance(UtterancePart("stop", before, "", "spotter"))
+    theatre.see_utterance(UtterancePart("up", "", "it continues a stop", ""), is_rest=is_rest)
+    utterance = theatre.snapshot().hearing.utterance
+    assert utterance.command == shown and (utterance.transcript == "up") is (not shown)
+
+
 def test_limits_and_why_the_tension_is_invalid_are_shown_with_it(theatre):
     theatre.see_tension_invalid("stuck")
     tissue = theatre.snapshot().tissue

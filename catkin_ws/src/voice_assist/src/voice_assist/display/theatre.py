@@ -103,7 +103,9 @@ class Theatre:
         """Text as it is heard."""
         self._partial = _News(text, self._clock())
 
-    def see_utterance(self, utterance: UtterancePart, asks_for: str = "") -> None:
+    def see_utterance(
+        self, utterance: UtterancePart, asks_for: str = "", *, is_rest: bool = False
+    ) -> None:
         """A decision of the recogniser ends what was shown of the words before it.
 
         That is the text that led to it, a question, and what a device answered.
@@ -111,8 +113,12 @@ class Theatre:
         Args:
             utterance: What was decided.
             asks_for: Command that is asked for, since it was nearly sure; empty: none.
+            is_rest: It is the rest of a breath, as the end of a "stop" that was taken before its
+                end. A command that was taken stays in place of it.
         """
         with self._lock:
+            if is_rest and self._utterance is not None and self._utterance.value.command:
+                return
             self._question = _News(asks_for, self._clock()) if asks_for else None
             self._utterance = _News(utterance, self._clock())
             self._partial = self._device = None

@@ -53,6 +53,12 @@ def utterance_part(message: Utterance) -> UtterancePart:
     return UtterancePart(message.transcript, message.command, message.reason, message.decided_by)
 
 
+def is_rest(message: Utterance) -> bool:
+    """Whether it was said in one breath with what was decided before, and is no command."""
+    is_same_breath = message.reason_code == RejectionReason.SAME_BREATH.value
+    return is_same_breath and 0.0 not in message.wer
+
+
 def asked_command(message: Utterance) -> str:
     """The command that a decision asks for; empty: none."""
     is_question = message.reason_code == RejectionReason.NEARLY_SURE.value

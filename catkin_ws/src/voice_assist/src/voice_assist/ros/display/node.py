@@ -107,8 +107,8 @@ class DisplayNode:
         self._theatre.see_partial(message.data)
 
     def _on_utterance(self, message: Utterance) -> None:
-        asked = messages.asked_command(message)
-        self._theatre.see_utterance(messages.utterance_part(message), asked)
+        asked, is_rest = messages.asked_command(message), messages.is_rest(message)
+        self._theatre.see_utterance(messages.utterance_part(message), asked, is_rest=is_rest)
 
     def _on_device(self, message: DeviceCall) -> None:
         self._theatre.see_device(messages.device_words(message))
