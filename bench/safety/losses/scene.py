@@ -41,7 +41,7 @@ class JointWatcher:
         self._setpoints: deque[tuple[float, tuple[float, ...]]] = deque(maxlen=KEPT)
         self.state: ControllerState | None = None
         self.state_at = self.heartbeat_at = float("-inf")  # [s] time.monotonic()
-        self.recorded_at = float("-inf")  # [s] last heartbeat of the recorder
+        self.recorded_at = float("-inf")  # [s] when the recorder last said that it records
         self.failed_at = float("-inf")  # [s] when the recogniser failed
         self.finished_at = float("-inf")  # [s] when a motion came to its own end
         self.stops = 0  # sent by topic, by anybody
@@ -98,8 +98,9 @@ class JointWatcher:
     def _on_heartbeat(self, _: Time) -> None:
         self.heartbeat_at = time.monotonic()
 
-    def _on_recording(self, _: String) -> None:
-        self.recorded_at = time.monotonic()
+    def _on_recording(self, trouble: String) -> None:
+        if not trouble.data:
+            self.recorded_at = time.monotonic()
 
     def _on_stop(self, _: Empty) -> None:
         self.stops += 1
