@@ -223,18 +223,18 @@ def kept(name: str, measure: Callable[[], list[Figure]]) -> Callable[[], list[Fi
 
 
 def place(name: str, amount: float, full: float | None = None) -> Path:
-    """Folder for a result: aside, if what is on file rests on more.
+    """Folder for a result: aside, if what is on file rests on more, and this is not whole.
 
     Args:
         name: Of the file in that folder.
         amount: On which the new result rests.
-        full: On which a result rests that does not say so; None: it is replaced.
+        full: On which a whole result rests, and one that does not say so; None: that is replaced.
     """
     path = PLACE / name
     if os.environ.get("FORCE") or not path.is_file():
         return PLACE
     before = _on_file(json.loads(path.read_text(encoding="utf-8")), full)
-    if before is None or amount >= before:
+    if before is None or amount >= min(before, before if full is None else full):
         return PLACE
     print(f"{name} on file rests on {before:g}, this run on {amount:g}: written aside; FORCE=1")
     return ASIDE

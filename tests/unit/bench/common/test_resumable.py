@@ -105,9 +105,19 @@ def on_file(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.mark.parametrize(("amount", "where"), [(40.0, "aside"), (100.0, "results")])
-def test_a_result_that_rests_on_less_is_written_aside(on_file, amount, where):
-    measure = resumable.kept("voice/x", lambda: [resumable.measured(amount, "h", 100.0)])
+@pytest.mark.parametrize(
+    ("amount", "full", "where"),
+    [
+        (40.0, 100.0, "aside"),
+        (100.0, 100.0, "results"),
+        (85.0, 90.0, "aside"),
+        (95.0, 90.0, "results"),
+    ],
+)
+def test_a_result_that_rests_on_less_is_written_aside_unless_it_is_whole(
+    on_file, amount, full, where
+):
+    measure = resumable.kept("voice/x", lambda: [resumable.measured(amount, "h", full)])
     measure()
     assert on_file / where == figures.RESULTS
 
