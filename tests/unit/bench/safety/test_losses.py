@@ -258,7 +258,7 @@ def test_a_loss_beside_other_work_or_at_the_end_of_its_motion_is_taken_again() -
     assert found["set aside and repeated, motion at its end"] == 1
 
 
-def test_a_short_run_is_written_aside_from_the_thousand_losses_on_file(tmp_path, monkeypatch):
+def test_a_short_run_is_written_aside_from_the_losses_on_file(tmp_path, monkeypatch):
     on_file = RESULTS / "safety" / "losses.json"
     place, aside = tmp_path / "results", tmp_path / "aside"
     (place / "safety").mkdir(parents=True)
@@ -270,7 +270,7 @@ def test_a_short_run_is_written_aside_from_the_thousand_losses_on_file(tmp_path,
     monkeypatch.setattr(support.figures, "RESULTS", RESULTS)
     monkeypatch.setattr(support.figures, "ROOT", tmp_path)
     monkeypatch.delenv("FORCE", raising=False)
-    monkeypatch.setattr(Part, "measure", lambda _: figures([loss()], {"controller": HOLDS}, 1))
+    monkeypatch.setattr(Part, "measure", lambda _: figures([loss()], {"controller": HOLDS}, 1000))
     assert main(["safety.losses"]) == 0
     assert copy.read_bytes() == on_file.read_bytes()
     (new,) = (aside / "safety").iterdir()
