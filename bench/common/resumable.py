@@ -234,21 +234,24 @@ def place(name: str, amount: float, full: float | None = None) -> Path:
     if os.environ.get("FORCE") or not path.is_file():
         return PLACE
     before = _on_file(json.loads(path.read_text(encoding="utf-8")), full)
-    if before is None or amount >= min(before, before if full is None else full):
+    if before is None or amount >= min(before, full or before):
         return PLACE
     print(f"{name} on file rests on {before:g}, this run on {amount:g}: written aside; FORCE=1")
     return ASIDE
 
 
-def write_details(name: str, amount: float, data: Mapping[str, Any]) -> None:
+def write_details(
+    name: str, amount: float, data: Mapping[str, Any], full: float | None = None
+) -> None:
     """Write what lies behind the figures of a part.
 
     Args:
         name: Of the file, such as "voice/near_taken.json".
         amount: On which it rests.
         data: For JSON.
+        full: On which a whole result rests, as `measured` says; None: no result rests on more.
     """
-    path = place(name, amount) / name
+    path = place(name, amount, full) / name
     path.parent.mkdir(parents=True, exist_ok=True)
     text = json.dumps({MEASURED: amount, **data}, indent=1)
     path.write_text(text + "\n", encoding="utf-8")

@@ -256,8 +256,8 @@ def _write(curves: Mapping[str, Reliability], claims: int) -> None:
         }
         for name, curve in curves.items()
     }
-    folder = resumable.place("voice/calibration_bins.json", claims)
-    resumable.write_details("voice/calibration_bins.json", claims, data)
+    folder = resumable.place("voice/calibration_bins.json", claims, FULL)
+    resumable.write_details("voice/calibration_bins.json", claims, data, FULL)
     shown = {name: curve for name, curve in curves.items() if name in ("all", *KINDS)}
     draw(shown, folder / "voice" / "reliability.png")
 

@@ -163,3 +163,5 @@ def test_details_follow_the_same_rule(on_file):
     path = on_file / "results" / "voice" / "d.json"
     assert json.loads(path.read_text()) == {"measured": 10.0, "fired": [1]}
     assert (on_file / "aside" / "voice" / "d.json").is_file()
+    resumable.write_details("voice/d.json", 9.0, {"fired": [2]}, 8.0)  # whole, as its figures are
+    assert json.loads(path.read_text()) == {"measured": 9.0, "fired": [2]}
