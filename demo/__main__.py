@@ -148,6 +148,7 @@ def _session(
         _wait_until_ready(system, timeline)
         page, hands = PagePictures(folder, timeline.say), Hands(timeline.warn)
         stack.callback(page.close)
+        page.start()
         if script.has_devices:
             stack.callback(end_group, start_devices())
         if options.microphone:

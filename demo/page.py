@@ -38,12 +38,14 @@ class PagePictures:
         self._folder, self._say = folder, say
         self._address = str(rospy.get_param(ADDRESS, ""))
         self._moments: Queue[str] = Queue()
-        self._thread: threading.Thread | None = None
-        say(f"operator's page: {self._address or 'none; launch.log says why'}")
+        self._thread = threading.Thread(target=self._run, name="page", daemon=True)
+
+    def start(self) -> None:
+        """Begin; only after someone is sure to close it, whatever comes between."""
+        self._say(f"operator's page: {self._address or 'none; launch.log says why'}")
         if not find_browser():
-            say(f"no pictures of the page: {MISSING}")
+            self._say(f"no pictures of the page: {MISSING}")
         elif self._address:
-            self._thread = threading.Thread(target=self._run, name="page", daemon=True)
             self._thread.start()
 
     def take(self, moment: str) -> None:
@@ -52,7 +54,7 @@ class PagePictures:
 
     def close(self) -> None:
         """Wait for the pictures."""
-        if self._thread is not None:
+        if self._thread.ident is not None:  # it was started
             self._moments.put("")
             self._thread.join()
 

@@ -56,7 +56,7 @@ class VirtualMicrophone:
         )
         try:
             self._wait_until_it_answers()
-        except OSError:
+        except BaseException:  # Ctrl-C too
             self._close()
             raise
         return self

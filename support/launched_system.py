@@ -56,13 +56,16 @@ class System:
 
     def __enter__(self) -> System:
         self._log.parent.mkdir(parents=True, exist_ok=True)
-        self._spawn(["roscore", "-p", str(self._port)])
-        deadline = time.monotonic() + START_TIME
-        while not _is_up():
-            if time.monotonic() > deadline or not self.is_running():
-                self.__exit__()
-                raise RuntimeError(f"roscore did not start; see {self._log}")
-            time.sleep(0.1)
+        try:
+            self._spawn(["roscore", "-p", str(self._port)])
+            deadline = time.monotonic() + START_TIME
+            while not _is_up():
+                if time.monotonic() > deadline or not self.is_running():
+                    raise RuntimeError(f"roscore did not start; see {self._log}")
+                time.sleep(0.1)
+        except BaseException:
+            self.__exit__()
+            raise
         return self
 
     def launch(self, file: Path, **arguments: str | bool | Path) -> None:

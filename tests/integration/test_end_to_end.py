@@ -7,6 +7,7 @@ import re
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -21,6 +22,7 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import read_summary
 from session_log.recording import metadata
 from support.browser import MISSING, find_browser
+from support.waiting import wait_until
 from tests.integration.heeding import heed
 from tests.support.recorded_topics import ON_REQUEST, TYPES
 
@@ -193,11 +195,17 @@ def test_ctrl_c_ends_everything_and_leaves_a_readable_recording(tmp_path):
     shown += demo.communicate(timeout=LIMIT)[0]
     assert demo.returncode == 130, shown
     assert any(True for _ in messages(tmp_path / "session.mcap", "/joint_states"))
-    log = str(tmp_path / "ros_logs")
+    with suppress(RuntimeError):  # what was killed needs a moment
+        wait_until(lambda: not started_by(tmp_path))
+    assert started_by(tmp_path) == []
+
+
+def started_by(folder):
+    """Commands of the processes whose logs are in a folder."""
+    commands = []
     for process in Path("/proc").glob("[0-9]*"):
-        try:
+        with suppress(OSError):
             environment = (process / "environ").read_bytes()
-        except OSError:
-            continue
-        if int(process.name) != os.getpid():
-            assert log.encode() not in environment, f"process {process.name} was left running"
+            if int(process.name) != os.getpid() and f"{folder}/ros_logs".encode() in environment:
+                commands.append((process / "cmdline").read_bytes().decode())
+    return commands

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of the operator's page: a demo that is interrupted ends, though it waits for moments."""
+"""Pictures of the operator's page: a demo that is interrupted ends, and its browser with it."""
 
 import subprocess
 import sys
 from pathlib import Path
+from unittest import mock
 
+from demo import page
 from support.waiting import PATIENCE
 
 INTERRUPTED = """
@@ -22,7 +24,7 @@ class Browser:
         pass
 
 with mock.patch.multiple(page, Browser=Browser, find_browser=lambda: "browser", rospy=mock.Mock()):
-    page.PagePictures(Path("."), print)
+    page.PagePictures(Path("."), print).start()
     there.wait()
 raise KeyboardInterrupt
 """
@@ -33,3 +35,8 @@ def test_an_interrupted_demo_ends_though_no_picture_was_asked_for():
     words = [sys.executable, "-c", INTERRUPTED]
     done = subprocess.run(words, cwd=root, capture_output=True, text=True, timeout=PATIENCE)
     assert "KeyboardInterrupt" in done.stderr
+
+
+def test_pictures_that_were_never_begun_can_be_ended():
+    with mock.patch.object(page, "rospy"):
+        page.PagePictures(Path("."), print).close()
