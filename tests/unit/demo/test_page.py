@@ -39,4 +39,4 @@ def test_an_interrupted_demo_ends_though_no_picture_was_asked_for():
 
 def test_pictures_that_were_never_begun_can_be_ended():
     with mock.patch.object(page, "rospy"):
-        page.PagePictures(Path("."), print).close()
+        page.PagePictures(Path(), print).close()
