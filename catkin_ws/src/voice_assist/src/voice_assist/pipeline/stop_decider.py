@@ -108,29 +108,25 @@ class StopDecider:
         self._halted_until = partial.utterance.speech_end + partial.quiet
 
     def in_motion(self, transcript: Hypothesis, partial: PartialUtterance) -> Verdict | None:
-        """A stop among the words of a transcript, while the robot moves.
+        """A stop among the words of a transcript, or nearly its only word, while the robot moves.
 
         The spotter over talk must have heard it, too. Without one, or of a halt that it does not
         know, enough transcripts in a row must hold it, or the last one: after the pause there is
         no other, and the word may have been the last.
         """
-        written = self._written_among(transcript)
+        found = self._written_among(transcript) or self._nearly_said(transcript, partial)
         if transcript is not self._counted:  # asked about again, it has no second vote
             self._counted = transcript
-            self._votes = self._votes + 1 if written else 0
-        if written is None:
+            self._votes = self._votes + 1 if found else 0
+        if found is None:
             return None
-        phrase, heard = written
-        if self._stop_in_sound is None or phrase != self._stop_fusion.phrase:
+        if self._stop_in_sound is None or found[0].command != self._stop_fusion.phrase:
             is_last = self._decoder.has_paused(partial)
             is_sure = is_last or self._votes >= self._config.moving.sentence_agreement
         else:
             score = self._stop_in_sound.newest(partial.utterance.samples)
             is_sure = score >= self._config.moving.over_talk_agree
-        if not is_sure:
-            return None
-        worth = self._recognizer_config.confidence.transcript(log_odds(heard.confidence))
-        return Verdict(Match(phrase, self._mapper(heard.text).wer), heard, worth, RECOGNIZER)
+        return Verdict(*found, RECOGNIZER) if is_sure else None
 
     def stop(
         self,
@@ -145,8 +141,6 @@ class StopDecider:
         2. The last part of the sound says it, over the robot's own voice or in motion. While the
            robot moves silently and a spotter over talk listens, `in_motion` asks both.
         3. The spotter is sure of it, where the transcript names no command.
-        4. In motion, where no command is written and nothing else was said: a word that sounds
-           nearly like it.
 
         The spotter alone stops by `spotted`.
         """
@@ -164,8 +158,7 @@ class StopDecider:
         has_command = isinstance(outcome, Match) or self._early_decision.has_halted
         if has_command or is_negated(normalize(transcript.text)):
             return None
-        overruled = self._overruled(transcript, context.spotted)
-        return overruled or self._nearly_said(transcript, partial, context)
+        return self._overruled(transcript, context.spotted)
 
     def spotted(self, spotted: Spotted) -> Verdict | None:
         """The stop that the spotter fired alone; None: the recogniser was quicker."""
@@ -220,15 +213,17 @@ class StopDecider:
         worth = self._recognizer_config.confidence.spotter(moving.spotter_alone - lacks)
         return Verdict(outcome, transcript, worth, SPOTTER)
 
-    def _written_among(self, transcript: Hypothesis) -> tuple[str, Hypothesis] | None:
-        """A halt that stands among other words, and the transcript; None: there is none."""
+    def _written_among(self, transcript: Hypothesis) -> tuple[Match, Hypothesis, float] | None:
+        """A halt among other words, the transcript and the confidence; None: there is none."""
         minimum = self._config.moving.sentence_confidence
         for heard in (self._decoder.part, transcript):
             if heard is not None and heard.confidence >= minimum:
                 words = self._mapper.words(heard.text)
                 for phrase in self.halts:
                     if contains(words, normalize(phrase)):
-                        return phrase, heard
+                        worth = self._recognizer_config.confidence.transcript
+                        match = Match(phrase, self._mapper(heard.text).wer)
+                        return match, heard, worth(log_odds(heard.confidence))
         return None
 
     def _overruled(self, transcript: Hypothesis, spotted: float | None) -> Verdict | None:
@@ -244,17 +239,18 @@ class StopDecider:
         return Verdict(match, transcript, worth, SPOTTER)
 
     def _nearly_said(
-        self, transcript: Hypothesis, partial: PartialUtterance, context: DecisionContext
-    ) -> Verdict | None:
-        """A halt that is little less likely than what was written instead, in motion.
+        self, transcript: Hypothesis, partial: PartialUtterance
+    ) -> tuple[Match, Hypothesis, float] | None:
+        """A halt that is little less likely than what was written instead, and as above.
 
         Noise makes "stuff" of a "stop". In a sentence such a word is none, so no more words than
         the halt's may be written. It may be a correction in the same breath as a motion, or what is
-        left of talk that was cut: in doubt the robot holds. Other languages have no such score.
+        left of talk that was cut. Other languages have no such score.
         """
-        is_asked = context.is_moving and self._recognizer_config.second_opinion
-        has_score = not self._config.is_multilingual
-        if not (is_asked and has_score and self._decoder.is_settled(partial)):
+        has_score = self._recognizer_config.second_opinion and not self._config.is_multilingual
+        if not (has_score and self._decoder.is_settled(partial)):
+            return None
+        if self._early_decision.has_halted or is_negated(normalize(transcript.text)):
             return None
         named = self._mapper(transcript.text)
         if isinstance(named, Match) and named.command not in self.halts:
@@ -267,6 +263,5 @@ class StopDecider:
         phrase = max(halts, key=scores.__getitem__)
         if scores[phrase] < -self._config.moving.nearly_said:
             return None
-        match = Match(phrase, named.wer)
         worth = self._recognizer_config.confidence.scores(scores[phrase])
-        return Verdict(match, transcript, worth, RECOGNIZER)
+        return Match(phrase, named.wer), transcript, worth
