@@ -35,6 +35,7 @@ class Host:
             "ROS_MASTER_URI": uri,
             "ROS_HOME": str(folder / "ros"),
             "ROS_LOG_DIR": str(folder / "logs"),
+            "PYTHONUNBUFFERED": "1",  # tests read what is printed meanwhile
         }
         self._output = folder / "said.txt"
         self._log = self._output.open("ab")
