@@ -29,8 +29,8 @@ def start_group(command: Sequence[str], **options: Any) -> subprocess.Popen[byte
     what the main thread starts is asked to end where this program is killed.
     """
     is_main = threading.current_thread() is threading.main_thread()
-    asked = _end_with_parent if is_main else None
-    return subprocess.Popen(command, start_new_session=True, preexec_fn=asked, **options)
+    ready = _end_with_parent if is_main else _heed
+    return subprocess.Popen(command, start_new_session=True, preexec_fn=ready, **options)
 
 
 def end_group(process: subprocess.Popen[bytes], patience: float = STOP_TIME) -> None:
@@ -46,6 +46,12 @@ def end_group(process: subprocess.Popen[bytes], patience: float = STOP_TIME) -> 
             process.wait()
 
 
+def _heed() -> None:
+    """In the child: heed the request, which a shell has ignored in what runs in its background."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def _end_with_parent() -> None:
     """In the child: whoever started it is gone."""
+    _heed()
     _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGINT, 0, 0, 0)

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Ctrl-C while something comes up ends what was started so far."""
 
-import subprocess
-
 import pytest
 
 from demo import virtual_microphone
 from support import launched_system
+from support.process_groups import start_group
 
 SLEEP = ["sleep", "600"]
 
@@ -17,7 +16,7 @@ def started(monkeypatch):
     processes = []
 
     def start(command, **options):
-        processes.append(subprocess.Popen(SLEEP, start_new_session=True))
+        processes.append(start_group(SLEEP))
         return processes[-1]
 
     monkeypatch.setattr(launched_system, "start_group", start)

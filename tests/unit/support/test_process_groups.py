@@ -76,6 +76,16 @@ def test_a_group_is_asked_to_end_and_then_made_to(tmp_path):
     assert deaf.returncode == -signal.SIGKILL
 
 
+def test_who_runs_in_the_background_of_a_shell_ends_what_it_starts_at_once():
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)  # as that shell does
+    try:
+        process = start_group(["sleep", "60"])
+        end_group(process)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert process.returncode == -signal.SIGINT
+
+
 def is_there(pid):
     """A process of this number runs: one that ended and is not waited for does not."""
     try:
