@@ -221,9 +221,9 @@ class KinovaRig(LockStep):
 
     def _report_tool(self, now: float) -> None:
         self.bridge.tool.update_state(int(self.drivers.tool.state))
-        feedback = self.drivers.tool_feedback()
-        if feedback is not None:
-            values = {"position": feedback[0], "velocity": feedback[1], "effort": ()}
+        position = self.drivers.tool_feedback()
+        if position is not None:
+            values = {"position": position, "velocity": np.zeros(len(position)), "effort": ()}
             self.bridge.on_tool(self._read_tool.read(self._tool_names, values, now))
 
     # Commands.

@@ -271,6 +271,7 @@ def test_after_a_gap_the_limits_are_asked_for_anew(hardware):
             SoftLimits(np.full(7, 0.87), ACCELERATION / 2),
             "acceleration of joint_1 is 0.50",
         ),
+        (SoftLimits(np.full(7, 0.87), 1.25 * ACCELERATION), "rad/s2, allowed 1.00 to 1.20;"),
         (SoftLimits(np.full(7, 0.2), ACCELERATION), "speed of joint_1 is 0.20 rad/s"),
         (SoftLimits(np.full(6, 0.87), ACCELERATION), "allowed: 7 numbers"),
         (SoftLimits(np.full(7, np.nan), ACCELERATION), "allowed: 7 numbers"),

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """OpenRST: nothing before homing, nothing beyond its limits, grip from jaws that stay open."""
 
+from concurrent.futures import Future
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from rst_control.kinova.feedback import JointFeedback
-from rst_control.kinova.homing import HomingFailed, home
+from rst_control.kinova.homing import HomingFailed, answered, home
 from rst_control.kinova.tool import Grip, Tool, ToolState
 
 NOW = 50.0
@@ -55,6 +56,24 @@ def test_homing_is_lost_with_the_connection_and_does_not_come_back_with_the_stat
     tool.update_state(ToolState.CONNECTED.value)
     tool.update_state(ToolState.POSITION_CONTROL.value)
     assert "not homed" in tool.objection(NOW)
+
+
+@pytest.mark.parametrize("period", [0.008, 0.02])  # [s] between states of the node
+def test_speeds_follow_from_positions_for_the_node_reports_none(tool, period):
+    for k in range(20):
+        tool.take(feedback(0.3 * k * period, 0.2, 0.2 - 0.5 * k * period, stamp=NOW + k * period))
+    assert tool.feedback.velocity == pytest.approx([0.3, 0.0, -0.5])
+    for k in range(20, 40):
+        tool.take(feedback(0.1, 0.2, 0.2, stamp=NOW + k * period))
+    assert tool.feedback.velocity == pytest.approx(np.zeros(3))
+
+
+def test_a_first_state_and_one_of_a_tool_that_homes_have_no_speed(tool):
+    tool.take(feedback(0.3, 0.2, 0.2))
+    assert tool.feedback.velocity == pytest.approx(np.zeros(3))
+    tool.is_homed = False
+    tool.take(feedback(0.0, 0.0, 0.0, stamp=NOW + 0.1))  # its encoders were set anew
+    assert tool.feedback.velocity == pytest.approx(np.zeros(3))
 
 
 def test_old_joints_are_refused(tool):
@@ -174,3 +193,11 @@ def test_what_is_refused_ends_the_homing(name):
 def test_a_request_that_is_granted_without_effect_ends_the_homing():
     with pytest.raises(HomingFailed, match="left it in CONNECTED, needed: READY"):
         FakeNode(stays="calibrate").home()
+
+
+def test_a_request_without_an_answer_ends_the_homing_and_says_what_still_moves():
+    answer = Future()
+    with pytest.raises(HomingFailed, match=r'"calibrate" was not answered within 0[.]01 s.*driven'):
+        answered(answer, "calibrate", 0.01)
+    answer.set_result(True)
+    assert answered(answer, "calibrate", 0.01)

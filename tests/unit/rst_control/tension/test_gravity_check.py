@@ -66,7 +66,9 @@ def test_no_torques_and_torques_of_the_other_sign_are_refused() -> None:
     assert "They are too small for any gravity: check scene.gravity" in words
     effort = dynamics((0, 0, -1))(HOME)
     assert "Nearest is [0.000, 0.000, -1.000], 0 deg from it" in refusal((), 0.5 * effort)
-    assert "effort_sign" in refusal((), -effort)
+    hint = "If the base is not mounted so, the sign is wrong: effort_sign"
+    assert hint in refusal((), -effort)
+    assert hint not in refusal((), dynamics((0.5, 0, -0.866))(HOME))
     assert refusal((), -effort, config=replace(CONFIG, effort_sign=-1)) == ""
 
 

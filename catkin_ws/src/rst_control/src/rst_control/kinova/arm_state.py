@@ -19,6 +19,7 @@ from rst_control.types import Cause, Reason, Vector
 LIMITS_SERVICE: Final = "control_config/get_kinematic_soft_limits"
 FIRMWARE_SERVICE: Final = "base/get_firmware_bundle_versions"
 SPEEDS_MODE: Final = 1  # ControlConfig.ControlMode ANGULAR_JOYSTICK: joint speeds
+MOST_OVER: Final = 1.2  # [-] times `arm.acceleration` that the arm's own limit may be
 BEGINS: Final = 0.25  # [s] for velocities to put the arm under the driver's control
 ROUNDING: Final = 0.005  # [rad/s], [rad/s^2] by which a limit may be short: it is set in degrees
 
@@ -194,6 +195,15 @@ class SoftLimits:
                     f"the arm's soft limit of the {what} of {config.joints[joint]} is "
                     f"{has[joint]:.2f} {unit}, needed at least {needs[joint]:.2f}",
                 )
+        over = np.flatnonzero(self.acceleration > MOST_OVER * np.array(config.acceleration))
+        if len(over):  # a joint that changes its speed sooner leaves the common way
+            joint, known = int(over[0]), config.acceleration[over[0]]
+            return Cause(
+                Reason.ARM_LIMITS,
+                f"the arm's soft limit of the acceleration of {config.joints[joint]} is "
+                f"{self.acceleration[joint]:.2f} rad/s2, allowed {known:.2f} to "
+                f"{MOST_OVER * known:.2f}; or set arm.acceleration to what it is",
+            )
         return None
 
 

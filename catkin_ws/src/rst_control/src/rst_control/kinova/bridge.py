@@ -145,7 +145,7 @@ class Bridge:
 
     def on_tool(self, feedback: JointFeedback) -> None:
         """Take in joints of the tool."""
-        self.tool.feedback = feedback
+        self.tool.take(feedback)
         measured = float(feedback.position[1:].sum())
         commanded = measured if self._opening is None else self._opening
         self._grip.update(commanded, measured, feedback.stamp)

@@ -78,6 +78,7 @@ class ToolConfig:
     feedback_age: float = number(0.005, 0.5, "s")
     following_error: float = number(0.01, 0.5, "rad")
     following_time: float = number(0.05, 5.0, "s")
+    homing_limit: float = number(1.0, 600.0, "s")
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Future
 from typing import Final
 
 from rst_control.errors import RstError
@@ -20,6 +21,27 @@ class HomingFailed(RstError):
         self.request = request
 
 
+def answered(answer: Future[bool], request: str, limit: float) -> bool:
+    """What the node answered to a request.
+
+    Args:
+        answer: To come.
+        request: That was made.
+        limit: Longest wait [s].
+
+    Raises:
+        HomingFailed: There was none within the limit.
+    """
+    try:
+        return bool(answer.result(limit))
+    except TimeoutError as error:
+        why = (
+            f"was not answered within {limit:g} s. Its motors may still be driven: end OpenRST's "
+            "node, then see that the instrument is latched on and that its DAQ topics come"
+        )
+        raise HomingFailed(request, why) from error
+
+
 class NotAllowed(RstError):
     """The tool may not be homed now; says why."""
 
@@ -32,7 +54,7 @@ def home(
     """Bring the tool into position control, homed; its jaws and pitch move over their whole range.
 
     Args:
-        request: Asks the node for something, and returns whether it did it.
+        request: Asks the node for something, and returns whether it did it; may raise this error.
         state: What the node last said of itself.
         wait: Waits for a condition, for so many seconds; whether it came to hold.
 

@@ -8,14 +8,18 @@ sent is clamped here.
 
 from __future__ import annotations
 
+from collections import deque
+from dataclasses import replace
 from enum import IntEnum
+from typing import Final
 
 import numpy as np
 
 from rst_control.kinova.config import GripConfig, ToolConfig
 from rst_control.kinova.feedback import JointFeedback
-from rst_control.types import Vector
+from rst_control.types import Vector, frozen_array
 
+SPEED_SPAN: Final = 0.04  # [s] over which speeds are taken from positions, a few states of the node
 UNHOMED = JointFeedback(np.zeros(3), np.zeros(3), np.zeros(3), -np.inf)
 
 
@@ -53,6 +57,23 @@ class Tool:
         self.state: ToolState | None = None  # None: never reported
         self.is_homed = False
         self.feedback: JointFeedback | None = None
+        self._places = deque[JointFeedback]()  # the newest of at least SPEED_SPAN
+
+    def take(self, feedback: JointFeedback) -> None:
+        """Take in its joints. Speeds follow from positions: the node reports 0, however it moves.
+
+        Source: `OpenRSTControl::Read` writes positions alone.
+        """
+        places = self._places
+        if not self.is_homed:  # homing sets the encoders anew
+            places.clear()
+        places.append(feedback)
+        while len(places) > 2 and places[1].stamp <= feedback.stamp - SPEED_SPAN:
+            places.popleft()
+        span = feedback.stamp - places[0].stamp
+        moved = feedback.position - places[0].position
+        velocity = moved / span if span >= 0.5 * SPEED_SPAN else np.zeros(len(moved))
+        self.feedback = replace(feedback, velocity=frozen_array(velocity, len(moved)))
 
     def update_state(self, number: int) -> None:
         """Take in what the node says; homing is lost where it was disconnected or switched off."""

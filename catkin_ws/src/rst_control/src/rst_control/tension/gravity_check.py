@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 READINGS: Final = 20  # that are averaged, of an arm at rest
 MAX_BY_TILT: Final = 12.0  # [-] chi-square that another gravity explains: 0.7 % by chance
 MIN_GRAVITY: Final = 0.1  # [-] share of gravity that torques show at least where it has a way
+OPPOSITE: Final = 170.0  # [deg] from which torques of the other sign explain as much as a mounting
 NO_LOADS: Final = np.zeros((ARM_COUNT, 3))
 
 
@@ -56,6 +57,8 @@ class GravityCheck:
         if np.linalg.norm(way) > MIN_GRAVITY:
             angle = np.degrees(angle_between(way, gravity))
             nearest = f"Nearest is {way_words(way)}, {angle:.0f} deg from it"
+            if angle > OPPOSITE:
+                nearest += ". If the base is not mounted so, the sign is wrong: effort_sign"
         return (
             f"torques at rest do not fit gravity along {way_words(gravity)}: joint_{joint + 1} "
             f"gives {model[joint] + excess[joint]:.2f} N m, expected {model[joint]:.2f} (misfit "

@@ -139,14 +139,16 @@ class KinovaRobot:
         velocity = reading.velocity[ARM]
         return ArmFeedback(turned, velocity, self._torques(reading.effort[ARM], velocity))
 
-    def tool_feedback(self) -> tuple[Vector, Vector] | None:
-        """Positions [rad] and speeds [rad/s] of OpenRST as its node reports them, shapes (3,)."""
+    def tool_feedback(self) -> Vector | None:
+        """Positions of OpenRST [rad] as its node reports them, shape (3,); None: it reports none.
+
+        It never reports a speed, nor an effort: both are 0 in its messages.
+        """
         if self.tool.reported is None:
             return None
         if not self.tool.is_homed:
-            return np.zeros(3), np.zeros(3)
-        reading = self._physics.reading
-        return self._signs * reading.position[TOOL], self._signs * reading.velocity[TOOL]
+            return np.zeros(3)
+        return self._signs * self._physics.reading.position[TOOL]
 
     def _setpoint(self, now: float) -> Setpoint:
         arm, tool = self.driver.arm, self.tool

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future
 
 import rospy
 from kortex_driver.msg import Base_JointSpeeds, BaseCyclic_Feedback, JointSpeed
@@ -16,6 +18,7 @@ from rst_control.kinova.arm_state import ArmReport
 from rst_control.kinova.brake_plan import BrakePlan
 from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback, rows_of
+from rst_control.kinova.homing import answered
 from rst_control.ros.kinova.arm_report import read_report
 from rst_control.types import Vector
 from typed_config.ros.known_publishers import KnownPublishers
@@ -99,15 +102,26 @@ class KinovaHardware:
         send_at_shutdown(stop)
 
     def request(self, message: str) -> bool:
-        """Ask OpenRST's node for something; waits for the answer, however long that takes.
+        """Ask OpenRST's node for something, and wait for the answer.
 
         Raises:
             rospy.ServiceException: The node does not know it, or died.
             rospy.ROSException: There is no such node.
+            HomingFailed: There was no answer within `tool.homing_limit`. The node goes on: nothing
+                ends its homing where the instrument does not engage.
         """
         name, limit = f"{self._config.tool.namespace}/openrst_request", 5.0
         rospy.wait_for_service(name, limit)
-        return bool(rospy.ServiceProxy(name, openrst_request)(message).succeeded)
+        answer: Future[bool] = Future()
+
+        def ask() -> None:
+            try:
+                answer.set_result(rospy.ServiceProxy(name, openrst_request)(message).succeeded)
+            except (rospy.ServiceException, rospy.ROSException) as error:
+                answer.set_exception(error)
+
+        threading.Thread(target=ask, name="openrst_request", daemon=True).start()
+        return answered(answer, message, self._config.tool.homing_limit)
 
     def listen(
         self,

@@ -170,15 +170,15 @@ class DriverInterface:
 
     def _publish_tool(self) -> None:
         self._tool_state.publish(Int32MultiArray(data=[int(self._drivers.tool.state)]))
-        feedback = self._drivers.tool_feedback()
-        if feedback is None:
+        position = self._drivers.tool_feedback()
+        if position is None:
             return
-        position, velocity = feedback
+        nothing = [0.0] * len(position)  # the node never fills these in
         message = JointState(
             name=list(self._config.tool.joints),
             position=position.tolist(),
-            velocity=velocity.tolist(),
-            effort=[0.0] * len(position),  # the node never fills it in
+            velocity=nothing,
+            effort=nothing,
         )
         message.header.stamp = self._stamp()
         self._tool_states.publish(message)
