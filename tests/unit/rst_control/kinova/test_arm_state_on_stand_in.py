@@ -78,6 +78,14 @@ def set_off(rig):
     assert rig.until(lambda: rig.speed > 0.05)
 
 
+def test_an_emergency_stop_in_motion_is_named_as_one(rig):
+    set_off(rig)
+    rig.drivers.driver.take_emergency_stop()
+    assert rig.until(lambda: mode(rig).state is State.FAULTED, 5.0)
+    assert mode(rig).cause.reason is Reason.ARM_FAULT
+    assert "base: emergency stop" in mode(rig).reason
+
+
 @pytest.mark.parametrize("report", [TORQUE, IN_USE], ids=["fault", "in use"])
 def test_in_motion_the_arm_rests_and_the_cause_is_named_rightly(rig, report):
     set_off(rig)
@@ -90,11 +98,3 @@ def test_in_motion_the_arm_rests_and_the_cause_is_named_rightly(rig, report):
     at_the_arm(rig, READY)
     rig.run(0.5)
     np.testing.assert_allclose(rig.robot.reading.position, place, atol=1e-4)
-
-
-def test_an_emergency_stop_in_motion_is_named_as_one(rig):
-    set_off(rig)
-    rig.drivers.driver.take_emergency_stop()
-    assert rig.until(lambda: mode(rig).state is State.FAULTED, 5.0)
-    assert mode(rig).cause.reason is Reason.ARM_FAULT
-    assert "base: emergency stop" in mode(rig).reason
