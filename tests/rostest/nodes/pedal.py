@@ -59,9 +59,12 @@ class Pedal(unittest.TestCase):
         cls.commands.append((request.command, request._connection_header["callerid"]))
         return CommandResponse(True, "", "")
 
-    def step(self, *pressed, dead_man=REST):
-        buttons = [int(i in pressed) for i in range(4)]
-        self.joy.publish(Joy(buttons=buttons, axes=[dead_man]))
+    def step(self, *pressed, dead_man=REST, age=None):
+        message = Joy(buttons=[int(i in pressed) for i in range(4)], axes=[dead_man])
+        if age is not None:
+            message.header.stamp = rospy.Time.from_sec(rospy.get_time() - age)
+        self.joy.publish(message)
+        rospy.sleep(0.1)  # a press counts after a release of 0.05 s
 
     def test_1_a_press_from_the_start_does_nothing_and_a_later_one_commands(self):
         self.step(1)
@@ -72,6 +75,13 @@ class Pedal(unittest.TestCase):
         self.step(0)
         wait_until(lambda: len(self.commands) == 2 and self.stops)
         self.assertEqual(self.commands, [("pull more", "/pedal"), ("stop", "/pedal")])
+        self.step()
+        self.commands.clear()
+        for age, button in ((10.0, 1), (0.0, 1), (10.0, 0)):
+            self.step(button, age=age)
+            self.step()
+        wait_until(lambda: len(self.commands) == 2)  # the old press but for a stop is dropped
+        self.assertEqual([command for command, _ in self.commands], ["pull more", "stop"])
 
     def test_2_the_gate_follows_its_pedal(self):
         for pressed, is_open in (((2,), True), ((), False)):

@@ -2,6 +2,7 @@
 """Input devices by name, and their events, here from a pipe in place of a device."""
 
 import errno
+import itertools
 import os
 import struct
 import threading
@@ -117,11 +118,22 @@ def test_the_first_news_are_which_keys_are_pressed_already(read):
     assert later == [{"button 48": 0.0}]
 
 
+def test_news_have_the_time_of_their_event_and_the_state_at_the_start_none(tmp_path, monkeypatch):
+    monkeypatch.setattr(evdev.fcntl, "ioctl", lambda *_: bytes(96))
+    pipe = tmp_path / "event1"
+    pipe.write_bytes(EVENT.pack(1700000000, 250000, 1, 48, 1))
+    with EvdevReader(pipe) as reader:
+        news = iter(reader)
+        stamps = [(next(news), reader.stamp)[1] for _ in range(2)]
+    assert stamps == [0.0, 1700000000.25]
+
+
 def actions(source, news):
     """What a pedal that is bound to one input makes of news, and its remarks."""
     binding = {"input": source, "above": 0.5, "does": "command", "command": "tense"}
     file = load_yaml(CONFIG_DIR / "pedal.yaml")
-    pedals = Pedals(pedal_config({**file, "bindings": [binding]}))
+    time = itertools.count()  # [s] one reading after the other
+    pedals = Pedals(pedal_config({**file, "bindings": [binding]}), lambda: next(time))
     pedals.found()
     return [action for one in news for action in pedals.take(one)], pedals.remarks
 

@@ -18,10 +18,20 @@ def binding(source, does="command", command="", above=0.5):
     return {"input": source, "above": above, "does": does, "command": command}
 
 
-def make(*bindings, there=True):
-    pedals = Pedals(pedal_config({**FILE, "bindings": list(bindings)}))
-    if there:
-        pedals.found()
+class Steps:
+    """A clock that goes on by so many seconds each time it is read."""
+
+    def __init__(self, step):
+        self._step, self._now = step, 0.0
+
+    def __call__(self):
+        self._now += self._step
+        return self._now
+
+
+def make(*bindings, clock=None):
+    pedals = Pedals(pedal_config({**FILE, "bindings": list(bindings)}), clock or Steps(1.0))
+    pedals.found()
     return pedals
 
 
@@ -73,6 +83,54 @@ def test_an_axis_counts_from_its_threshold_on(above, values, sent):
     assert sum(len(press(pedals, "axis 2", value)) for value in values) == sent
 
 
+JITTER = (0, 0.3, 0.49, 0.501, 0.499, 0.502, 0.498, 0.505, 0.6, 1.0)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(("then", "sent"), [((), 1), ((0.41, 0.6), 1), ((0.39, 0.6), 2)])
+def test_an_axis_at_its_threshold_commands_once_until_it_is_clearly_released(sign, then, sent):
+    pedals = make(binding("axis 2", command="pull more", above=sign * 0.5))
+    seen = [press(pedals, "axis 2", sign * value) for value in (*JITTER, *then)]
+    assert sum(map(len, seen)) == sent
+
+
+def test_an_axis_that_rests_at_its_threshold_from_the_start_commands_nothing():
+    pedals = make(binding("axis 2", command="pull more"))
+    assert not any(press(pedals, "axis 2", value) for value in (0.6, *JITTER[2:]))
+
+
+@pytest.mark.parametrize(
+    ("does", "command", "acts"),
+    [("dead_man", "", Brake("the dead-man (axis 2) is released")), ("command", "stop", None)],
+)
+def test_a_stop_and_a_release_of_the_dead_man_wait_for_no_clear_release(does, command, acts):
+    pedals = make(binding("axis 2", does, command), clock=Steps(0.0))
+    acts = acts or Send("stop", "axis 2")
+    seen = [press(pedals, "axis 2", value) for value in (0.0, 0.6, 0.49, 0.51, 0.49)]
+    assert seen.count((acts,)) == 2
+
+
+@pytest.mark.parametrize(("apart", "sent"), [(0.001, 1), (0.06, 3)])
+def test_a_contact_that_bounces_commands_once(apart, sent):
+    now = [0.0]
+    pedals = make(binding("button 1", command="pull more"), clock=lambda: now[0])
+    press(pedals, "button 1", 0.0)
+    now[0], seen = 1.0, []
+    for value in (1, 0, 1, 0, 1):
+        seen += press(pedals, "button 1", value)
+        now[0] += apart
+    assert seen == [Send("pull more", "button 1")] * sent
+    now[0] += 1.0
+    press(pedals, "button 1", 0.0)
+    now[0] += 1.0
+    assert press(pedals, "button 1") == (Send("pull more", "button 1"),)
+
+
+def test_a_stop_that_bounces_is_sent_each_time():
+    pedals = make(binding("button 0", command="stop"), clock=Steps(0.0))
+    assert sum(len(press(pedals, "button 0", value)) for value in (1, 0, 1, 0, 1)) == 3
+
+
 def test_an_unknown_button_and_one_that_the_device_lacks_are_named_once():
     pedals = make(binding("button 7", command="stop"))
     assert [press(pedals, "button 9", value) for value in (1, 0, 1)] == [(), (), ()]
@@ -113,6 +171,38 @@ def test_the_gate_follows_its_pedal_and_is_closed_without_it(does, is_open):
         seen.append(pedals.may_talk)
     assert seen == is_open
     pedals.lost("unplugged")
+    assert not pedals.may_talk
+
+
+def test_a_mute_that_is_held_mutes_from_the_start_and_after_a_loss():
+    pedals = make(binding("button 3", "mute"))
+    assert not pedals.may_talk  # nothing is known yet
+    seen = []
+    for value in (1.0, 0.0, 1.0):
+        press(pedals, "button 3", value)
+        seen.append(pedals.may_talk)
+    assert seen == [False, True, False]
+    pedals.lost("unplugged")
+    pedals.found()
+    assert not pedals.may_talk
+    press(pedals, "button 3", 1.0)
+    assert not pedals.may_talk
+    press(pedals, "button 3", 0.0)
+    assert pedals.may_talk
+
+
+@pytest.mark.parametrize("does", ["talk", "mute"])
+def test_an_axis_without_a_number_closes_the_gate(does):
+    pedals = make(binding("axis 0", does))
+    for value in (0.0, math.nan):
+        press(pedals, "axis 0", value)
+    assert not pedals.may_talk
+    assert f"it counts as {'pressed' if does == 'mute' else 'released'}" in pedals.remarks[0]
+
+
+def test_a_talk_that_is_held_from_the_start_opens_nothing():
+    pedals = make(binding("button 3", "talk"))
+    press(pedals, "button 3")
     assert not pedals.may_talk
 
 

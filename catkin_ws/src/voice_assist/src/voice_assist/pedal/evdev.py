@@ -67,6 +67,7 @@ class EvdevReader:
     def __init__(self, path: Path, inputs: Collection[str] = ()) -> None:
         self._path, self._inputs = path, inputs
         self._file = -1
+        self.stamp = 0.0  # [s] clock time of the newest news; 0: it has none
 
     def __enter__(self) -> EvdevReader:
         """Open it.
@@ -99,7 +100,8 @@ class EvdevReader:
         while data := os.read(self._file, 64 * EVENT.size):
             rest += data
             whole = len(rest) // EVENT.size * EVENT.size
-            for _, _, kind, code, value in EVENT.iter_unpack(rest[:whole]):
+            for seconds, micros, kind, code, value in EVENT.iter_unpack(rest[:whole]):
+                self.stamp = seconds + micros / 1e6
                 if kind == EV_KEY and value != REPEATED:
                     yield {f"button {code}": float(value)}
                 elif kind == EV_ABS:

@@ -4,12 +4,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Final
 
 from voice_assist.config.pedal import BindingConfig, PedalConfig
 
-STOP = "stop"
+STOP: Final = "stop"
+SETTLED: Final = 0.05  # [s] released before a press commands: a bouncing contact presses once
+RELEASED: Final = 0.8  # of `above`: an axis that commands is released only below it
 
 
 @dataclass(frozen=True)
@@ -35,11 +39,14 @@ class Pedals:
 
     Args:
         config: What each input does.
+        clock: Steady time [s].
     """
 
-    def __init__(self, config: PedalConfig) -> None:
+    def __init__(self, config: PedalConfig, clock: Callable[[], float] = time.monotonic) -> None:
         self._bindings: Mapping[str, BindingConfig] = {b.input: b for b in config.bindings}
-        self._pressed: dict[str, bool] = {}
+        self._clock = clock
+        self._pressed: dict[str, bool] = {}  # without what is unknown since the device was found
+        self._released_at: dict[str, float] = {}  # [s] by input
         self._named: set[str] = set()
         self._gate = next((b for b in config.bindings if b.does in ("talk", "mute")), None)
         self._dead_man = next((b for b in config.bindings if b.does == "dead_man"), None)
@@ -47,7 +54,7 @@ class Pedals:
         self.remarks: list[str] = []  # what is wrong with the device's news, each once
 
     def found(self) -> None:
-        """The device is there; what is pressed already, but for a stop, counts after a release."""
+        """The device is there; what is pressed already, but for stop and mute, needs a release."""
         self.is_there = True
         self._pressed.clear()
 
@@ -72,8 +79,9 @@ class Pedals:
                     self._remark(name, f"{name} does nothing: pedal.yaml does not name it")
                 continue
             if not math.isfinite(value):
-                self._remark(name, f"{name} gives {value}, no number: it counts as released")
-            actions += self._change(binding, _is_pressed(binding, value))
+                state = "pressed" if binding.does == "mute" else "released"
+                self._remark(name, f"{name} gives {value}, no number: it counts as {state}")
+            actions += self._change(binding, self._is_pressed(binding, value))
         return tuple(actions)
 
     def check(self, present: Mapping[str, float]) -> None:
@@ -84,14 +92,33 @@ class Pedals:
 
     def _change(self, binding: BindingConfig, is_pressed: bool) -> tuple[PedalAction, ...]:
         was_pressed = self._pressed.get(binding.input)
-        if was_pressed is None and is_pressed and binding.command != STOP:
+        is_safe = binding.command == STOP or binding.does == "mute"
+        if was_pressed is None and is_pressed and not is_safe:
             return ()  # pressed from the start: a foot that rests there, or a stuck switch
         self._pressed[binding.input] = is_pressed
+        if was_pressed is not False and not is_pressed:
+            self._released_at[binding.input] = self._clock()
         if is_pressed and not was_pressed and binding.does == "command":
+            if binding.command != STOP and not self._has_settled(binding):
+                return ()
             return (Send(binding.command, binding.input),)
         if was_pressed and not is_pressed and binding.does == "dead_man":
             return (Brake(f"the dead-man ({binding.input}) is released"),)
         return ()
+
+    def _has_settled(self, binding: BindingConfig) -> bool:
+        return self._clock() - self._released_at[binding.input] >= SETTLED
+
+    def _is_pressed(self, binding: BindingConfig, value: float) -> bool:
+        if not math.isfinite(value):
+            return binding.does == "mute"
+        if binding.input.startswith("button"):
+            return bool(value)
+        limit = binding.above
+        is_free = self._pressed.get(binding.input) is False
+        if binding.does == "command" and binding.command != STOP and not is_free:
+            limit *= RELEASED
+        return value >= limit if limit > 0.0 else value <= limit
 
     def _remark(self, name: str, words: str) -> None:
         if name not in self._named:
@@ -105,10 +132,10 @@ class Pedals:
 
     @property
     def may_talk(self) -> bool:
-        """Voice counts; with a device that is lost it does not, but for "stop"."""
+        """Voice counts; where device or position is unknown it does not, but for "stop"."""
         if self._gate is None:
             return True
-        is_pressed = self._pressed.get(self._gate.input, False)
+        is_pressed = self._pressed.get(self._gate.input)
         return self.is_there and is_pressed is (self._gate.does == "talk")
 
     @property
@@ -120,11 +147,3 @@ class Pedals:
     def is_held(self) -> bool:
         """The dead-man is pressed."""
         return self._dead_man is not None and self._pressed.get(self._dead_man.input, False)
-
-
-def _is_pressed(binding: BindingConfig, value: float) -> bool:
-    if not math.isfinite(value):
-        return False
-    if binding.input.startswith("button"):
-        return bool(value)
-    return value >= binding.above if binding.above > 0.0 else value <= binding.above

@@ -20,18 +20,21 @@ from rst_control.msg import ControllerState
 from typed_config.ros.connections import is_heard, open_callers
 from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
+from voice_assist.audio.capture.stamp_check import MAX_AHEAD
 from voice_assist.config.pedal import PedalConfig, pedal_config
 from voice_assist.intent.dialogue import Answered
 from voice_assist.pedal.evdev import DEVICES, EvdevReader, devices, find
 from voice_assist.pedal.pedals import STOP, PedalAction, Pedals, Send
 from voice_assist.ros.believed import Believed
+from voice_assist.ros.pedal.words import Words
 from voice_assist.ros.robot.command_client import CommandClient
 from voice_assist.ros.robot.robot_commands import require_pedal_commands
 
 TALK = "voice_assist/talk"  # std_msgs/Bool, again and again while a pedal is the gate
 PERIOD = 0.05  # [s] between checks of gate, dead-man and silence
 DIAGNOSTICS_EVERY = 20  # checks
-ANSWER_WITHIN = 1.0  # [s] for the controller
+ANSWER_WITHIN = 1.0  # [s] for the controller; an older press commands nothing but a stop
+WORDS_WITHIN = 1.0  # [s] for the last words at the end
 STOP_AGAIN = 0.2  # [s] between stops while the robot moves without the dead-man
 STATE_AGE = 1.0  # [s] of the controller's newest word, from which it is gone; 50 come in a second
 NOT_FOUND = "not found yet"
@@ -39,6 +42,8 @@ NOT_FOUND = "not found yet"
 
 class PedalNode:
     """Joins the device and the robot's controller; what follows from its news is under one lock.
+
+    Nothing is logged under it but by `Words`: a stop never waits for a terminal.
 
     Args:
         config: Device, and what each input does.
@@ -55,7 +60,8 @@ class PedalNode:
         self._stop = rospy.Publisher("rst_control/stop", Empty, queue_size=10)
         self._talk = rospy.Publisher(TALK, Bool, queue_size=1)
         self._diagnostics = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=2)
-        self._client = CommandClient(ANSWER_WITHIN, _log_answer)
+        self._say = Words()
+        self._client = CommandClient(ANSWER_WITHIN, self._on_answer)
         self._joy: rospy.Subscriber | None = None
         self._set_by: dict[str, str] = {}  # by input, node that set it last; "": any message
         self._known = Believed()
@@ -82,6 +88,7 @@ class PedalNode:
     def _leave(self) -> None:
         with self._lock:
             self._carry_out(self._pedals.lost("the pedal node ends"))
+        self._say.close(WORDS_WITHIN)
 
     def _on_joy(self, message: Joy) -> None:
         values = {f"button {i}": float(value) for i, value in enumerate(message.buttons)}
@@ -94,7 +101,7 @@ class PedalNode:
                 self._pedals.check(values)
             header = getattr(message, "_connection_header", None) or {}
             self._set_by |= dict.fromkeys(["", *values], header.get("callerid", ""))
-            self._take(values)
+            self._take(values, message.header.stamp.to_sec())
 
     def _read(self) -> None:
         """Thread of a USB device: read it, look for it again when it is gone."""
@@ -106,7 +113,7 @@ class PedalNode:
                         self._found(self._config.device)
                     for values in reader:
                         with self._lock:
-                            self._take(values)
+                            self._take(values, reader.stamp)
             except Exception as error:  # top of the thread: what is not read counts as released
                 with self._lock:
                     self._lost(str(error) or repr(error))
@@ -118,29 +125,35 @@ class PedalNode:
     def _found(self, name: str) -> None:
         self._pedals.found()
         self._trouble = ""
-        rospy.loginfo("pedal: %s", name)
+        self._say(rospy.loginfo, "pedal: %s", name)
 
     def _lost(self, why: str) -> None:
-        if why != self._trouble:
-            rospy.logwarn("pedal: %s", why)
-        self._trouble = why
         self._carry_out(self._pedals.lost(why))
+        if why != self._trouble:
+            self._say(rospy.logwarn, "pedal: %s", why)
+        self._trouble = why
 
-    def _take(self, values: Mapping[str, float]) -> None:
-        self._carry_out(self._pedals.take(values))
+    def _take(self, values: Mapping[str, float], stamp: float = 0.0) -> None:
+        """Carry out what follows from news; its stamp is in seconds, 0: none."""
+        self._carry_out(self._pedals.take(values), _age_trouble(stamp))
         while self._pedals.remarks:
-            rospy.logwarn("pedal: %s", self._pedals.remarks.pop(0))
+            self._say(rospy.logwarn, "pedal: %s", self._pedals.remarks.pop(0))
 
-    def _carry_out(self, actions: tuple[PedalAction, ...]) -> None:
+    def _carry_out(self, actions: tuple[PedalAction, ...], why_not: str = "") -> None:
+        """Act, then say so; with a reason why not, only what stops the robot."""
         for action in actions:
-            if isinstance(action, Send):
-                rospy.loginfo("pedal: %s, by %s", action.command, action.input)
-                if action.command == STOP:
-                    self._publish_stop()
-                self._client.call(action.command, may_repeat=action.command == STOP)
-            else:
-                rospy.logwarn("pedal: %s; the robot is stopped", action.why)
+            if not isinstance(action, Send):
                 self._publish_stop()
+                self._say(rospy.logwarn, "pedal: %s; the robot is stopped", action.why)
+                continue
+            words = action.command, action.input
+            if why_not and action.command != STOP:
+                self._say(rospy.logwarn, "pedal: %s, by %s, is dropped: %s", *words, why_not)
+                continue
+            if action.command == STOP:
+                self._publish_stop()
+            self._client.call(action.command, may_repeat=action.command == STOP)
+            self._say(rospy.loginfo, "pedal: %s, by %s", *words)
 
     def _publish_stop(self) -> None:
         self._last_stop = time.monotonic()
@@ -157,8 +170,13 @@ class PedalNode:
             now = time.monotonic()
             is_moving = self._state == "moving" and now - self._state_at < STATE_AGE
             if is_unheld and is_moving and now - self._last_stop > STOP_AGAIN:
-                rospy.logwarn("pedal: the robot moves, and the dead-man is not pressed")
                 self._publish_stop()
+                words = "pedal: the robot moves, and the dead-man is not pressed"
+                self._say(rospy.logwarn, words)
+
+    def _on_answer(self, answered: Answered) -> None:
+        log = rospy.loginfo if answered.is_accepted else rospy.logwarn
+        self._say(log, "pedal: %s: %s", answered.command, answered.message)
 
     def _silence(self) -> str:
         """Why a joy that was there is gone; empty: it is there, or it never was."""
@@ -190,9 +208,19 @@ class PedalNode:
         self._diagnostics.publish(message)
 
 
-def _log_answer(answered: Answered) -> None:
-    log = rospy.loginfo if answered.is_accepted else rospy.logwarn
-    log("pedal: %s: %s", answered.command, answered.message)
+def _age_trouble(stamp: float) -> str:
+    """Why news of a time [s] are too old to move the robot; empty: they are not, or have no age.
+
+    Of a clock that is ahead the age is unknown, and a simulated one may be faster than a foot.
+    """
+    if not stamp or not rospy.rostime.is_wallclock():
+        return ""
+    age = rospy.get_time() - stamp
+    if -MAX_AHEAD <= age <= ANSWER_WITHIN:
+        return ""
+    found = f"{age:.2f} s old" if age > 0.0 else f"{-age:.2f} s ahead of this host's clock"
+    allowed = f"allowed: {ANSWER_WITHIN:g} s old, {MAX_AHEAD:g} s ahead"
+    return f"its stamp is {found}, {allowed}; check the link, or run chrony"
 
 
 def main() -> None:
