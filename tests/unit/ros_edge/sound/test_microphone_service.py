@@ -53,8 +53,8 @@ def test_after_a_crash_a_microphone_whose_name_only_holds_the_kept_one_is_not_op
     monkeypatch.setenv(RESTART, "1")
     config, reports, opened = node_settings.node_settings().audio.microphone, [], []
     found = [
-        [Device(f"{name}.2", RATE, True)],
-        [Device(f"{name}.2", RATE, True), Device(name, RATE, False)],
+        [Device(f"{name}-front", RATE, True)],
+        [Device(f"{name}-front", RATE, True), Device(name, RATE, False)],
     ]
 
     def open_device(device, _):

@@ -3,7 +3,8 @@
 
 The settings may name a part of it, or leave it to the system's default. That counts until one is
 opened. From then on only that one is opened, by its whole name, until a person chooses another. So
-it is after a crash of the node, too.
+it is after a crash of the node, too. Two of one model cannot be told apart by their names: after a
+loss, a person has to choose.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from queue import Empty, Full, Queue, SimpleQueue
 import numpy as np
 from numpy.typing import NDArray
 
-from voice_assist.audio.capture.portaudio import Backend, Device, Stream, choose
+from voice_assist.audio.capture.portaudio import Backend, Device, Stream, choose, has_twin
 from voice_assist.audio.capture.pulse import PREFIX, is_monitor, pulse_sources
 from voice_assist.audio.resample import Resampler
 from voice_assist.audio.source import Clock, Framer, Report
@@ -27,6 +28,7 @@ from voice_assist.types import RATE, Frame
 _QUEUE = 500  # blocks of 32 ms between the sound card's thread and the reader
 _CHECK_EVERY = 2.0  # [s] between checks that a PulseAudio source is still there
 _CHOICE_TIME = 6.0  # [s] in which a choice is taken up: one search for devices may take 2 s more
+_TWIN = "was lost, and another of its model is or was there: choose one by set_microphone"
 _OVERFLOW_GAP = 0.02  # [s] from which late sound after a reported overflow counts as lost
 
 Pause = Callable[[float], bool]  # waits so many seconds; True: give up now
@@ -73,6 +75,8 @@ class Microphone:
         self._framer = Framer()
         self._choices: SimpleQueue[_Choice] = SimpleQueue()
         self._is_kept = config.is_whole  # the name is that of a device, and stays
+        self._has_twin = False  # another of its model was there since it was opened
+        self._was_left = False  # for a person's choice, and not lost
         self.remark = ""  # what a person should know of the channels; empty: nothing
         self.name = config.device  # asked for; once one was opened, that of this one
 
@@ -120,7 +124,7 @@ class Microphone:
                 yield from self._read(device)
                 if self._choices.empty():
                     return
-                lost_at = self._clock()
+                lost_at, self._was_left = self._clock(), True
             except DeviceError as error:
                 self._close()
                 lost_at = self._clock() if lost_at is None else lost_at
@@ -131,18 +135,24 @@ class Microphone:
     def _open(self) -> Device:
         self._close()
         devices = self._backend.devices()
+        was_left, self._was_left = self._was_left, False
         before = self.name, self._is_kept
+        self._has_twin |= self._is_kept and has_twin(self.name, devices)
         taken = self._take_choices(devices)
         device = choose(self.name, devices, is_whole=self._is_kept)
+        if self._has_twin and not (taken or was_left):
+            raise DeviceError(_TWIN, self.name, [d.name for d in devices])
         self._queue, self._dropped = Queue(_QUEUE), False
         try:
             self._stream = self._backend.open(device, self._enqueue)
         except DeviceError as error:
             self.name, self._is_kept = before
+            self._was_left = was_left
             for choice in taken:
                 choice.answer.set_result(str(error))
             raise
         self.name, self._is_kept = device.name, True
+        self._has_twin = has_twin(device.name, devices)
         for choice in taken:
             choice.answer.set_result("")
         return device

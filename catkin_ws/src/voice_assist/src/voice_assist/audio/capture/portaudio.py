@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
@@ -19,6 +20,7 @@ from voice_assist.types import RATE
 _PULSE_LATENCY_MS = "20"  # else a PulseAudio server hands sound over in blocks of up to 2 s
 _SERVERS = ("pulse", "pipewire")  # devices by which PortAudio shows a sound server
 _MAX_CHANNELS = 8  # a device with more is one of software, which offers any number: 2 of it
+_SLOT = re.compile(r" ?\(hw:\d+,\d+\)$|\.\d+(?=\.|$)")  # ALSA's, or a server's number of a twin
 OnBlock = Callable[[NDArray[np.int16], bool], None]  # (n, channels), whether sound before was lost
 
 
@@ -151,6 +153,20 @@ class _PortAudioStream:
 
 def _channels(channels: int) -> int:
     return channels if channels <= _MAX_CHANNELS else 2
+
+
+def has_twin(name: str, devices: list[Device]) -> bool:
+    """Whether another microphone's name differs only by the slot, which changes when replugged.
+
+    Args:
+        name: The whole name of one.
+        devices: Those that exist.
+    """
+    return any(d.name != name and _model(d.name) == _model(name) for d in devices)
+
+
+def _model(name: str) -> str:
+    return _SLOT.sub("", name)
 
 
 def choose(name: str, devices: list[Device], is_whole: bool = False) -> Device:
