@@ -200,7 +200,31 @@ def test_a_missing_loudspeaker_is_named_at_the_start(toned):
     toned.play_file = fail
     with toned.answers() as answers, played(toned, answers):
         wait_until(lambda: toned.reports)
-    assert toned.reports == ["no answer is spoken: sound device: Connection refused"]
+    words = "no answer is heard: sound device: Connection refused; each is tried all the same"
+    assert toned.reports == [words]
+
+
+def test_a_loudspeaker_that_comes_after_the_start_is_spoken_through(toned):
+    works = toned.play_file
+
+    def fail(path, duration, is_cut):
+        raise AudioError("sound device: Connection refused")
+
+    toned.play_file = lambda *parts: toned.path(*parts)
+    toned.path = fail
+    with toned.answers() as answers, played(toned, answers) as player:
+        wait_until(lambda: toned.reports)
+        toned.path = works
+        player.offer(TAKEN)
+        wait_until(lambda: False in toned.log)
+    assert toned.log == [Earcon.ACCEPTED, True, "ready", False]
+
+
+def test_answers_that_end_while_they_are_made_try_no_loudspeaker(toned):
+    with toned.answers() as answers:
+        pass
+    answers.prepare(["ready"])
+    assert toned.log == [] == toned.reports
 
 
 def test_kokoro_needs_its_styles(loudspeaker, monkeypatch, tmp_path):

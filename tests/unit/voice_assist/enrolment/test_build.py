@@ -114,13 +114,13 @@ def test_learning_anew_that_is_broken_off_leaves_an_active_profile_as_it_was(
     def broken_off(*_):
         raise KeyboardInterrupt
 
-    folder, before = profile.folder.parent, profile.digest
+    folder, before = profile.folder.parent, profile.manifest_digest
     monkeypatch.setattr(f"{MODULE}.others_for", lambda *_: [])
     monkeypatch.setattr(f"{MODULE}.learn", lambda *_: Adapted({}, 0.0))
     monkeypatch.setattr(f"{MODULE}.{breaks}", broken_off)
     with pytest.raises(KeyboardInterrupt):
         build(open_profile("ada", folder), voice, config, base)
-    assert open_profile("ada", folder).digest == before
+    assert open_profile("ada", folder).manifest_digest == before
     assert profile.manifest.state == ACTIVE
 
 

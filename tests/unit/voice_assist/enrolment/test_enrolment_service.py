@@ -17,6 +17,7 @@ from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, 
 from voice_assist.cli.enroll_terminal import guide
 from voice_assist.config import load_voice_config
 from voice_assist.config.enrolment import load_enrolment_config
+from voice_assist.enrolment import remote_session
 from voice_assist.enrolment.remote_session import EnrolmentService
 from voice_assist.enrolment.takes.checks import TakeCheck
 from voice_assist.enrolment.takes.from_session import COLUMNS, Uncorrected, read_takes
@@ -136,6 +137,18 @@ def test_nothing_is_recorded_while_commands_move_the_robot(service, room, tmp_pa
     assert not result.success
     assert "say terminate before you enrol" in result.message
     assert not open_profile("ada", tmp_path).manifest.takes
+
+
+def test_nothing_is_learned_while_commands_move_the_robot(service, room, monkeypatch):
+    built = []
+    monkeypatch.setattr(remote_session, "build", lambda *_, **__: built.append("built"))
+    room.is_armed = True
+    result = service("ada", "learn")
+    assert not result.success and "say terminate before you enrol" in result.message
+    assert built == []
+    room.is_armed = False
+    assert service("ada", "learn").success
+    assert built == ["built"]
 
 
 @pytest.mark.parametrize(

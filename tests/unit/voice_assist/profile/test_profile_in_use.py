@@ -123,6 +123,35 @@ def test_a_pinned_profile_that_changed_is_not_used(profile):
     pinned = config(profile, sha256=profile.digest).profile
     assert profile_in_use(pinned).digest == profile.digest
     profile.put("report.md", b"changed")
+    assert profile_in_use(config(profile, sha256=profile.digest).profile)
+    with pytest.raises(VoiceProfileError, match="it was changed since"):
+        profile_in_use(pinned)
+
+
+def test_a_take_that_comes_while_a_pinned_profile_is_in_use_changes_nothing(profile):
+    pinned = config(profile, sha256=profile.digest).profile
+    whole = config(profile, sha256=profile.manifest_digest).profile
+    assert profile_in_use(whole).name == "ada"  # as an older recording has pinned it
+    profile.add_take(np.zeros(RATE, np.float32), take("tense"))
+    assert len(profile_in_use(pinned).manifest.takes) == 1
+    with pytest.raises(VoiceProfileError, match="it was changed since"):
+        profile_in_use(whole)
+
+
+@pytest.mark.parametrize("name", [model_file.NAME, thresholds.NAME, "voiceprint.npz"])
+def test_a_pinned_profile_whose_hearing_changed_is_not_used(profile, base, name):
+    pinned = config(profile, sha256=profile.digest).profile
+    before = profile.manifest
+    profile.put(name, b"other")
+    with pytest.raises(VoiceProfileError, match="it was changed since"):
+        profile_in_use(pinned)
+    profile.drop(name)
+    if name in {file.name for file in before.files}:
+        with pytest.raises(VoiceProfileError, match="it was changed since"):
+            profile_in_use(pinned)
+    else:
+        assert profile_in_use(pinned)
+    profile.rebase("cd" * 32)
     with pytest.raises(VoiceProfileError, match="it was changed since"):
         profile_in_use(pinned)
 

@@ -73,12 +73,9 @@ class SpokenAnswers:
 
         Raises:
             ModelError: What speaks is not installed, or refuses the voice.
-            AudioError: There is no loudspeaker.
         """
         voice = choose_voice(self._config, self._commands.language)
         check = WordCheck(self._commands)
-        silence = self._write("silence", np.zeros(round(SILENCE * RATE), np.float32))
-        self._play(silence, SILENCE, lambda: False)
         for sentence in map(self._texts, sentences):
             why = check.objection(sentence)
             with self._lock:
@@ -87,6 +84,7 @@ class SpokenAnswers:
                 why = why or self._make(voice, sentence)
             if why:
                 self._report(f"{sentence!r} is not said: {why}")
+        self._try_loudspeaker()
 
     def duration(self, sentence: str) -> float:
         """How long a sentence sounds [s]; 0 where it is not said."""
@@ -106,6 +104,17 @@ class SpokenAnswers:
             self._play(self._path(sentence), duration, is_cut)
         finally:
             self._announce(False)
+
+    def _try_loudspeaker(self) -> None:
+        """Report one that is missing; it may come later, so each answer is tried all the same."""
+        with self._lock:
+            if self._folder is None:
+                return
+            silence = self._write("silence", np.zeros(round(SILENCE * RATE), np.float32))
+        try:
+            self._play(silence, SILENCE, lambda: False)
+        except (AudioError, OSError) as error:
+            self._report(f"no answer is heard: {error}; each is tried all the same")
 
     def _make(self, voice: Speak, sentence: str) -> str:
         """Write the sound of a sentence; returns why it may not be said."""

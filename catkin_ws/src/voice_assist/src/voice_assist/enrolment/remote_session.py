@@ -21,6 +21,7 @@ from voice_assist.recognizer.recognizer import Recognizer
 from voice_assist.types import Frame
 
 ACTIONS = ("next", "record", "learn")
+ARMED = "the robot listens to commands: say terminate before you enrol"
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,8 @@ class EnrolmentService:
     def _act(self, name: str, action: str) -> ActionResult:
         profile = self._profile(name)
         if action == "learn":
+            if self._is_armed():  # it takes minutes of a core
+                return ActionResult(False, ARMED)
             notes: list[str] = []
             args = profile, self._voice, self._config, self._base
             problems = build(*args, on_note=notes.append)
@@ -89,8 +92,7 @@ class EnrolmentService:
         if action == "next" or step is None:
             return ActionResult(action == "next", "" if action == "next" else "all is there", step)
         if self._is_armed():
-            words = "the robot listens to commands: say terminate before you enrol"
-            return ActionResult(False, words, step)
+            return ActionResult(False, ARMED, step)
         sound = record(self._listen(), step.seconds, lambda *_: None)
         script.profile = open_profile(name, self._root)  # a terminal may have changed it meanwhile
         before = len(script.profile.manifest.takes)

@@ -39,7 +39,8 @@ def profile_in_use(config: ProfileConfig) -> VoiceProfile | None:
         return None
     profile = open_profile(config.name, profiles_folder(config.folder))
     manifest, allowed = profile.manifest, "allowed: one that is active; or profile:=none"
-    if config.sha256 and profile.digest != config.sha256:
+    known = "", profile.digest, profile.manifest_digest  # the last is pinned in older recordings
+    if config.sha256 not in known:
         found = f"has the SHA-256 {profile.digest[:12]}, allowed: {config.sha256[:12]}"
         raise VoiceProfileError(f"profile {profile.name!r} {found}; it was changed since")
     if manifest.state == RECORDING:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import json
 import os
 import stat
 from contextlib import suppress
@@ -70,15 +71,22 @@ def profiles_folder(given: str | Path | None = None) -> Path:
 class VoiceProfile:
     """A profile's folder, and what its manifest says."""
 
-    def __init__(self, folder: Path, manifest: Manifest, digest: str) -> None:
+    def __init__(self, folder: Path, manifest: Manifest, manifest_digest: str) -> None:
         """Use `open_profile` or `create_profile`."""
         self.folder, self.manifest = folder, manifest
-        self.digest = digest  # SHA-256 of the manifest, and so of all that the profile holds
+        self.manifest_digest = manifest_digest  # SHA-256 of it, and so of all that is held
 
     @property
     def name(self) -> str:
         """As the person was called."""
         return self.manifest.name
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 of what hearing uses; takes may be added meanwhile, and do not change it."""
+        manifest = self.manifest
+        sums = sorted((file.name, file.sha256) for file in manifest.files)
+        return _digest(json.dumps([manifest.name, manifest.base_sha256, sums]).encode())
 
     def add_take(self, samples: Samples, take: Take) -> Take:
         """Keep a recording.
@@ -195,7 +203,7 @@ class VoiceProfile:
             raise VoiceProfileError(f"profile {manifest.name!r}: {words}") from error
         for name, content in (*files, (MANIFEST, data)):
             self._write(name, content)
-        self.manifest, self.digest = manifest, hashlib.sha256(data).hexdigest()
+        self.manifest, self.manifest_digest = manifest, _digest(data)
 
     def _write(self, name: str, data: bytes) -> None:
         """Write all or nothing, and let it reach the disk."""
