@@ -34,6 +34,23 @@ def test_the_commit_and_what_was_changed_since_are_named(kept):
     assert len(facts["commit"]) == 40 and "a" in facts["changed_files"]
 
 
+@pytest.mark.parametrize(
+    ("path", "found"),
+    [
+        ("voice_assist", {"commands": {"language": "de"}}),
+        ("/voice_assist/commands", {"language": "de"}),
+        ("voice_assist/commands/language", {}),
+        ("voice_assist/audio", {}),
+        ("none", {}),
+        ("", {}),
+        ("odd", {}),
+    ],
+)
+def test_settings_are_found_by_their_path_in_what_was_recorded(path, found):
+    facts = metadata.parameter_facts({"voice_assist": {"commands": {"language": "de"}}})
+    assert metadata.settings_at({**facts, "odd": "[", "scalar": "3"}, path) == found
+
+
 @pytest.mark.parametrize("built", ["abc123", None])
 def test_a_repository_around_that_does_not_track_the_sources_is_not_theirs(
     kept, monkeypatch, built

@@ -101,6 +101,45 @@ def test_an_answer_to_another_phrase_of_the_same_voice_is_not_taken_from_it(repo
     ]
 
 
+def test_a_second_word_for_a_command_has_the_answer_to_that_command(report_config):
+    voice = "/voice_assist"
+    said = [replace(heard("halt", 5.0, 5.3), publisher=voice), heard("stop", 8.0, 8.3)]
+    events = [
+        RecordedEvent(4.9, "stop_received", "stop", "", caller=voice),
+        RecordedEvent(5.31, "stop_received", "stop", "", caller=voice),
+        RecordedEvent(8.31, "stop_received", "stop", "", caller=voice),
+    ]
+    data = session(said, events)
+    data.phrases = ("stop", "halt")
+    data.called = {"stop": "stop", "halt": "stop"}
+    rows = analysis.command_rows(data, report_config)
+    assert [(r.command, r.outcome, r.heard, r.action) for r in rows] == [
+        ("halt", "accepted", said[0], 4.9),
+        ("stop", "accepted", said[1], 8.31),
+    ]
+
+
+def test_a_phrase_that_is_called_by_one_word_has_no_answer_to_another(report_config):
+    spoken = replace(heard("straffen", 1.0, 1.2), publisher="/voice_assist")
+    events = [RecordedEvent(1.3, "accepted", "release", "", caller="/voice_assist")]
+    data = session([spoken], events)
+    data.called = {"straffen": "tense", "lockern": "release"}
+    rows = analysis.command_rows(data, report_config)
+    assert [(r.command, r.outcome) for r in rows] == [
+        ("straffen", "no answer"),
+        ("release", "accepted"),
+    ]
+
+
+def test_the_answer_to_another_phrase_is_none_to_one_with_an_amount(report_config):
+    spoken = replace(heard("pull two millimetres more", 1.0, 1.2), publisher="/voice_assist")
+    events = [RecordedEvent(1.3, "accepted", "release", "", caller="/voice_assist")]
+    data = session([spoken], events)
+    data.called = {"let go": "release"}
+    rows = analysis.command_rows(data, report_config)
+    assert [r.outcome for r in rows] == ["no answer", "accepted"]
+
+
 def test_a_stop_acts_when_it_is_received_and_counts_once_by_both_ways(report_config):
     events = [
         RecordedEvent(5.26, "stop_received", "", "by topic"),
@@ -145,6 +184,32 @@ def test_what_a_device_answers_is_the_answer_to_its_word(report_config, kind, wo
     (row,) = analysis.command_rows(data, report_config)
     assert (row.outcome, row.message, row.caller) == (outcome, words, "devices")
     assert math.isnan(row.action_latency) == (outcome == "failed")
+
+
+def rows_of_calls(config, decisions, answers):
+    """Decision and answer of each row: of words at some times, and of what a device answered."""
+    data = session([heard("light on", time - 0.3, time) for time in decisions])
+    data.device_calls += [
+        RecordedEvent(time, "refused", "light on", f"at {time}", caller="devices")
+        for time in answers
+    ]
+    rows = analysis.command_rows(data, config)
+    return [(r.heard.decision if r.heard else None, r.answered) for r in rows]
+
+
+@pytest.mark.parametrize(
+    ("decisions", "answers", "rows"),
+    [
+        ([1.0], [3.004], [(1.0, 3.004)]),  # failed after its two seconds
+        ([1.0], [61.0], [(1.0, 61.0)]),
+        ([1.0, 2.0], [3.0, 5.0], [(1.0, 3.0), (2.0, 5.0)]),  # one call after the other
+        ([1.0, 2.5], [2.8], [(1.0, None), (2.5, 2.8)]),  # the first has no answer
+        ([1.0], [1.2, 9.0], [(1.0, 1.2), (None, 9.0)]),  # later a stop undid something
+        ([2.0], [1.0], [(None, 1.0), (2.0, None)]),
+    ],
+)
+def test_a_device_may_take_its_time_to_answer(report_config, decisions, answers, rows):
+    assert rows_of_calls(report_config, decisions, answers) == rows
 
 
 def test_a_refusal_has_no_action(report_config):

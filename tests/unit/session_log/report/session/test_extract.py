@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import yaml
 
 from session_log.mcap_file.reader import SessionReader
 from session_log.report.session.analysis import loop_timing
@@ -19,8 +20,8 @@ from tests.unit.session_log.support.voice_recording import say_sound
 def extracted(tmp_path, report_config):
     """What a report takes from a recording of these messages."""
 
-    def of(messages):
-        return extract(recording_of(tmp_path / "s.mcap", messages), report_config)
+    def of(messages, **metadata):
+        return extract(recording_of(tmp_path / "s.mcap", messages, metadata), report_config)
 
     return of
 
@@ -92,6 +93,35 @@ def test_a_stamp_that_was_not_set_is_replaced_by_the_time_of_arrival(extracted):
     story.messages = [unset]
     (event,) = extracted(story.messages).events
     assert event.time == 0.0
+
+
+@pytest.mark.parametrize(
+    ("session", "callers"),
+    [
+        ({"namespace": "/left/"}, ["/voice_assist", "/right/voice_assist", ""]),
+        ({"namespace": "/"}, ["/left/voice_assist", "/right/voice_assist", ""]),
+        ({}, ["/left/voice_assist", "/right/voice_assist", ""]),
+    ],
+)
+def test_callers_have_the_names_that_publishers_have_in_the_recording(extracted, session, callers):
+    story = Story()
+    for caller in ("/left/voice_assist", "/right/voice_assist", ""):
+        fields = {"kind": "accepted", "command": "tense", "caller": caller}
+        story.say(1.0, "/rst_control/event", "rst_control/Event", **fields)
+    found = extracted(story.messages, session=session)
+    assert [event.caller for event in found.events] == callers
+
+
+def test_what_the_controller_calls_a_phrase_is_known_by_the_node_that_heard_it(extracted):
+    commands = [{"phrase": "halt", "command": "stop", "is_halt": True}]
+    others = [{"phrase": "halt", "command": "terminate", "is_halt": False}]
+    texts = {
+        name: yaml.safe_dump({"commands": {"commands": listed}})
+        for name, listed in (("test", commands), ("other", others))
+    }
+    story = Story()
+    story.say(1.0, "/voice_assist/utterance", "voice_assist/Utterance", command="halt")
+    assert extracted(story.messages, parameters=texts).called == {"halt": "stop"}
 
 
 def test_messages_that_do_not_fit_are_counted_not_fatal(extracted):

@@ -6,6 +6,7 @@ from __future__ import annotations
 import hashlib
 import os
 import platform
+import re
 import subprocess
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
@@ -16,6 +17,7 @@ from xmlrpc.client import Binary
 
 import yaml
 
+PARAMETERS = "parameters"  # metadata record with the parameter server, one YAML text per key
 PACKAGES = ("numpy", "torch", "openai-whisper", "pybullet", "ruckig", "mcap", "matplotlib")
 HASHED_SUFFIX = "_sha256"
 NOT_RECORDED = "# not recorded: "  # begins the text of a parameter that cannot be written
@@ -77,6 +79,23 @@ def parameter_facts(parameters: Mapping[str, Any]) -> dict[str, str]:
     return {
         key: _yaml(value) for key, value in sorted(parameters.items()) if key != "robot_description"
     }
+
+
+def settings_at(parameters: Mapping[str, str], path: str) -> Mapping[str, Any]:
+    """The part of recorded parameters at a path such as `/robot_1/voice_assist`; empty: none.
+
+    Args:
+        parameters: As `parameter_facts` made them.
+        path: Keys with slashes between them.
+    """
+    first, *rest = [part for part in re.split("/+", path) if part] or [""]
+    try:
+        branch: Any = yaml.safe_load(parameters.get(first, ""))
+    except yaml.YAMLError:
+        return {}
+    for part in rest:
+        branch = branch.get(part) if isinstance(branch, dict) else None
+    return branch if isinstance(branch, dict) else {}
 
 
 def named_facts(facts: Mapping[str, Any]) -> dict[str, str]:

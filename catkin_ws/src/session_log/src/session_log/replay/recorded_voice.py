@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
@@ -12,17 +11,16 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import yaml
 
 from session_log.export.sound_stream import StreamWatch
 from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable
 from session_log.mcap_file.reader import SessionReader
+from session_log.recording.metadata import PARAMETERS, settings_at
 from session_log.replay.config import ReplayConfig
 from session_log.replay.pipeline_plugin import RecordedSound
 from session_log.types import Message, MessageSource
 
 RATE = 16_000  # [Hz] of all recorded sound
-PARAMETERS = "parameters"  # metadata record with the parameter server, one YAML text per key
 
 
 @dataclass(frozen=True)
@@ -191,7 +189,7 @@ class _VoiceReader:
         """Complete the newest run; the next one is heard from this sample on."""
         if self._voice.runs:
             run, held = self._voice.runs[-1], self._held_notes
-            run.settings = _settings(self._parameters, self._config.settings)
+            run.settings = settings_at(self._parameters, self._config.settings)
             run.facts = self._facts
             count = _before_fall(held, self._next_sample, first_sample)
             run.notes += held[:count]
@@ -226,15 +224,3 @@ def sound_of(content: Any) -> RecordedSound:
     """The recorded block of a decoded voice_assist/AudioChunk."""
     samples = np.asarray(content.samples, np.int16)
     return RecordedSound(samples, content.rate, content.first_sample, content.header.stamp.to_sec())
-
-
-def _settings(parameters: Mapping[str, str], path: str) -> Mapping[str, Any]:
-    """The part of the recorded parameters at a path such as `robot_1/voice_assist`."""
-    first, *rest = [part for part in re.split("/+", path) if part]
-    try:
-        branch: Any = yaml.safe_load(parameters.get(first, ""))
-    except yaml.YAMLError:
-        return {}
-    for part in rest:
-        branch = branch.get(part) if isinstance(branch, dict) else None
-    return branch if isinstance(branch, dict) else {}

@@ -92,7 +92,7 @@ class ParameterWatcher:
         parameters = self._namespace.parameters(every)
         facts = parameters.pop(FACTS, {})
         texts = metadata.parameter_facts(parameters)
-        self._record("parameters", texts)
+        self._record(metadata.PARAMETERS, texts)
         _warn_of_lost(texts)
         for name, values in facts.items() if isinstance(facts, dict) else ():
             if isinstance(values, dict):

@@ -6,12 +6,13 @@ from __future__ import annotations
 import math
 import re
 from bisect import bisect_left, bisect_right
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from session_log.config import ReportConfig
+from session_log.report.session.controller_words import STOP
 from session_log.report.session.session_data import (
     DEVICES,
     Intervals,
@@ -21,7 +22,6 @@ from session_log.report.session.session_data import (
     Track,
 )
 
-STOP = "stop"
 VOICE = "voice"  # by which a command was given
 SHUTDOWN = "shutdown"  # reason code of rst_control/ReasonCode
 FAILED = "failed"  # outcome of a call to a device; the controller refused nothing
@@ -115,11 +115,15 @@ def statistics(values: Track) -> Statistics:
 def command_rows(data: SessionData, config: ReportConfig) -> list[CommandRow]:
     """Join what was heard with what the controller answered and did, in order of time."""
     answers = _ByTime(filter(_is_answer, data.events + data.device_calls))
-    log, taken, rows = _ControllerLog(data, config), set[RecordedEvent](), []
+    by_device = _device_answers(data)
+    log, taken, rows = _ControllerLog(data, config), set(by_device.values()), []
     for heard in sorted((h for h in data.heard if h.command), key=lambda h: h.decision):
         since = min(heard.speech_start, heard.decision - CLOCK_SLACK)
         near = answers.between(since, heard.decision + config.match_window)
-        mine = _answers_to(heard, [a for a in near if a not in taken], data.phrases)
+        if heard in by_device:
+            mine = [by_device[heard]]
+        else:
+            mine = _answers_to(heard, [a for a in near if a not in taken], data)
         taken.update(mine)
         rows.append(_row(log, heard.command, heard, mine))
     for first in answers.events:
@@ -185,21 +189,49 @@ class _ControllerLog:
         return before > 0 and time < self._moving[before - 1][1]
 
 
+def _device_answers(data: SessionData) -> dict[RecordedUtterance, RecordedEvent]:
+    """What devices answered to phrases, however long it took; nothing where none came.
+
+    An answer is of the last words before it that have none yet. Calls of one phrase are made one
+    after the other, so their answers have the order of the words.
+    """
+    found: dict[RecordedUtterance, RecordedEvent] = {}
+    for phrase in {call.command for call in data.device_calls}:
+        left = _ByTime(c for c in data.device_calls if c.command == phrase).events
+        words = [h for h in data.heard if h.command == phrase]
+        said, given = [], []
+        for heard in sorted(words, key=lambda h: h.decision, reverse=True):
+            since = heard.decision - CLOCK_SLACK
+            if call := next((c for c in left if c.time >= since), None):
+                left.remove(call)
+                said.append(heard)
+                given.append(call)
+        given.sort(key=lambda c: c.time, reverse=True)
+        found |= zip(said, given, strict=True)
+    return found
+
+
 def _answers_to(
-    heard: RecordedUtterance, answers: list[RecordedEvent], phrases: Collection[str]
+    heard: RecordedUtterance, answers: list[RecordedEvent], data: SessionData
 ) -> list[RecordedEvent]:
-    """Answers to the words of a phrase; one that is called otherwise is known by who called.
+    """Answers of the controller to the words of a phrase.
+
+    What it calls the phrase stands in the recorded settings, but for phrases with an amount. Where
+    it does not, an answer in other words is known by who called.
 
     Args:
         heard: The phrase.
         answers: From its begin until they can no longer be about it, in order of time.
-        phrases: Every command that the recogniser knows.
+        data: Of the session, with every command that the recogniser knows.
     """
     since = heard.decision - CLOCK_SLACK
     candidates = [a for a in answers if a.time >= since]
-    called = (a for a in candidates if a.caller == heard.publisher and a.command not in phrases)
-    named = (a for a in candidates if _command_of(a) == heard.command)
-    first = next(named, next(called, None) if heard.publisher else None)
+    known = {*data.phrases, *data.called.values()}
+    called = (a for a in candidates if a.caller == heard.publisher and a.command not in known)
+    word = data.called.get(heard.command, heard.command)
+    named = (a for a in candidates if _command_of(a) == word)
+    is_unknown = heard.publisher and heard.command not in data.called
+    first = next(named, next(called, None) if is_unknown else None)
     if first is None:
         return []
     sooner = [

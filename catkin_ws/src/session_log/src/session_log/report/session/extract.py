@@ -17,6 +17,8 @@ from session_log.mcap_file.bulk import Batch
 from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import MessageCounter, RecordingSummary
+from session_log.recording.namespace import ROOT, Namespace
+from session_log.report.session.controller_words import controller_words
 from session_log.report.session.fast_topics import FastTopic, LoopTopic, Take, largest_of_each
 from session_log.report.session.joint_peaks import JointPeaks
 from session_log.report.session.joint_tables import JointTables
@@ -154,6 +156,7 @@ class _Extractor:
         """Close what is open."""
         for topic in self._waiting:
             topic.flush()
+        self._name_callers()
         self._data.clock_offsets = dict(filter(None, (clock.offset for clock in self._clocks)))
         end = self._relative(self._end)
         sound = self._data.sound["time"]
@@ -168,6 +171,13 @@ class _Extractor:
             for publisher, loop in loops.items() if len(loops) > 1 else ():
                 loop.topic += f" ({publisher or 'unnamed'})"
             self._data.loops += [loop for loop in loops.values() if loop.length]
+
+    def _name_callers(self) -> None:
+        """Give callers the names that publishers have, and phrases those of the controller."""
+        data, condition = self._data, self._data.recording.condition
+        home = Namespace(condition.latest("session").get("namespace", ROOT))
+        data.events = [replace(e, caller=home.recorded(e.caller)) for e in data.events]
+        data.called = controller_words(condition, sorted({h.publisher for h in data.heard}))
 
     def _takers_of(self, message: Message) -> list[Callable[[Message], None]]:
         source, topic = message.source, message.source.topic

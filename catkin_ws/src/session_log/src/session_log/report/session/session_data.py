@@ -172,5 +172,8 @@ class SessionData:
     missing_fields: set[str] = field(default_factory=set)  # what was recorded without which field
     intended: list[IntendedPhrase] = field(default_factory=list)
     phrases: tuple[str, ...] = ()  # every command that the recogniser compared with
+    called: dict[str, str] = field(  # by phrase: what the controller calls it, by recorded settings
+        default_factory=dict
+    )
     trocars: list[RecordedTrocar] = field(default_factory=list)
     sounds: dict[RecordedUtterance, bytes] = field(default_factory=dict)  # MP3, where asked for

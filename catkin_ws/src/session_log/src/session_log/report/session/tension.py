@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from session_log.recording.metadata import PARAMETERS
 from session_log.report.session.session_data import SampledTable, SessionData, Track
 
 Settings = Mapping[str, Any]
@@ -52,7 +53,7 @@ def tension_settings(data: SessionData) -> Settings:
 
     Other nodes have settings of that name, too. Only those of the controller name a limit.
     """
-    for text in data.recording.condition.latest("parameters").values():
+    for text in data.recording.condition.latest(PARAMETERS).values():
         if found := _settings_of(text):
             return found
     return {}
