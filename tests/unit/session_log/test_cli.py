@@ -142,6 +142,7 @@ def test_recover_keeps_what_is_known_of_a_session_without_messages(tmp_path, cap
 def test_export_gives_tables_and_the_sound(story, tmp_path, capsys):
     code, out, _ = run(capsys, "export", story[0], "--out", tmp_path)
     assert code == 0 and "0 lost" in out and "closed" not in out
+    assert "audio.wav: begins at 1795200000.000000000 s, the time of the tables\n" in out
     with (tmp_path / "voice_assist_utterance.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [row["command"] for row in rows[:2]] == ["hey robot", "tense"]
@@ -198,6 +199,26 @@ def test_export_fails_where_the_recording_itself_says_that_rows_are_lost(
 ):
     recording_of(tmp_path / "s.mcap", metadata=metadata)
     assert run(capsys, "export", tmp_path / "s.mcap", "--out", tmp_path)[0] == status
+
+
+@pytest.mark.parametrize(
+    ("gap", "status"), [("/rst_control/event", 1), ("/voice_assist/audio", 1), ("/t", 0)]
+)
+def test_export_sees_what_a_recorder_dropped_that_was_killed(tmp_path, capsys, gap, status):
+    story = Story()
+    for k in range(3):
+        story.event(60.0 * k, "accepted", "tense", "")
+        say_sound(story, 60.0 * k, 960_000 * k)
+        story.say(60.0 * k, "/t", "std_msgs/String", data="x")
+    writer = SessionWriter(tmp_path / "s.mcap")
+    for message in story.messages:
+        if (message.source.topic, message.sequence) != (gap, 2):
+            writer.add(message)
+    writer.commit()
+    writer.abandon()
+    code, out, _ = run(capsys, "export", tmp_path / "s.mcap", "--out", tmp_path)
+    assert code == status and "the clock was set" not in out
+    assert ("1 messages were received but are not in the file\n" in out) is (status == 1)
 
 
 def test_export_of_messages_that_do_not_fit_fails(tmp_path, capsys):

@@ -11,7 +11,7 @@ from session_log.export.export import ParquetMissing, export_topics, flatten
 from session_log.mcap_file.decoder import Decoder
 from session_log.mcap_file.reader import SessionReader
 from session_log.types import Message, MessageSource
-from support.story import Story, numbered, recording_of
+from support.story import START, Story, numbered, recording_of
 from tests.unit.session_log.support.broken_disk import break_reading
 from tests.unit.session_log.support.foreign import write_foreign
 from tests.unit.session_log.support.voice_recording import say_sound
@@ -30,6 +30,25 @@ def test_lost_sound_becomes_silence_of_the_same_length(tmp_path):
         content = sound.readframes(sound.getnframes())
     values = [int.from_bytes(content[i : i + 2], "little") for i in range(0, len(content), 2)]
     assert values == [100] * 512 + [200] * 512 + [0] * 1024 + [300] * 512
+
+
+@pytest.mark.parametrize("is_stamped", [True, False])
+def test_a_restart_of_the_voice_node_becomes_silence_by_the_stamps(tmp_path, is_stamped):
+    story = Story()
+    for time, value in ((1.0, 100), (1.5, 200)):
+        say_sound(story, time, 0, value)
+    delay = 0
+    for k, message in enumerate(story.messages):
+        if is_stamped:  # what arrives late was captured when its stamp says
+            delay = 10**9 * (k + 1)
+        data = message.data if is_stamped else message.data[:4] + bytes(8) + message.data[12:]
+        story.messages[k] = message._replace(data=data, log_time=message.log_time + delay)
+    session = recording_of(tmp_path / "s.mcap", story.messages)
+    result = export_topics(session, tmp_path / "out", [], AUDIO)
+    with wave.open(str(result.sound)) as sound:
+        assert sound.getnframes() == 8000 + 512
+    assert (result.samples, result.lost_samples) == (1024, 8000 - 512)
+    assert result.sound_start == START + 10**9
 
 
 def test_parquet_without_pyarrow_says_what_to_install_and_writes_nothing(monkeypatch, tmp_path):
@@ -94,6 +113,13 @@ def test_sound_of_another_type_is_counted_and_the_tables_are_whole(tmp_path, dat
     result = export_topics(reader, tmp_path / "out", ["/t", "/sound"], "/sound")
     assert (result.undecodable, result.sound, list(result.unfit)) == (1, None, ["/sound"])
     assert {path.name: rows for path, rows in result.rows.items()} == {"sound.csv": 1, "t.csv": 1}
+
+
+def test_sound_with_another_header_is_counted(tmp_path):
+    source = MessageSource(AUDIO, "a/T", "", "int32 header\nuint32 rate\nuint64 first_sample\n")
+    reader = recording_of(tmp_path / "s.mcap", [Message(source, bytes(16), 10**18, 1)])
+    result = export_topics(reader, tmp_path / "out", [], AUDIO)
+    assert (result.undecodable, result.sound, list(result.unfit)) == (1, None, [AUDIO])
 
 
 def test_messages_of_another_encoding_are_counted_and_not_written(tmp_path):

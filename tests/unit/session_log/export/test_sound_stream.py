@@ -12,17 +12,22 @@ from session_log.export.sound_stream import SoundFile, StreamWatch
 
 RATE = 16_000
 MINUTE = 60 * RATE
+SAMPLE = 10**9 // RATE  # [ns]
+START = 1_795_200_000 * 10**9  # [ns]
 
 
 @pytest.fixture
 def written(tmp_path):
-    """Samples of a file of blocks that begin at these indices, each of one sample of value 7."""
+    """Samples of a file of blocks that begin at these indices, each of one sample of value 7.
 
-    def write(*firsts):
+    A block is captured when its index says, or at its time in samples.
+    """
+
+    def write(*firsts, times=None):
         path = tmp_path / "audio.wav"
         with SoundFile(path, RATE) as sound:
-            for first in firsts:
-                sound.add(first, array("h", [7]))
+            for first, time in zip(firsts, times or firsts, strict=True):
+                sound.add(first, array("h", [7]), START + time * SAMPLE)
         with wave.open(str(path)) as file:
             samples = array("h", file.readframes(file.getnframes()))
         assert sound.samples == len(firsts)
@@ -52,9 +57,23 @@ def test_a_gap_of_minutes_is_silence_and_counted(written):
     assert len(samples) == 2 * MINUTE + 1 and samples[-1] == 7 and sum(samples) == 14
 
 
-def test_what_is_missing_before_a_run_is_neither_silence_nor_counted(written):
-    sound, samples = written(100, 101, 50)
+def test_the_time_between_two_runs_is_silence_and_counted(written):
+    sound, samples = written(100, 101, 50, 51, times=(100, 101, 105, 106))
+    assert (sound.lost, list(samples)) == (3, [7, 7, 0, 0, 0, 7, 7])
+    assert sound.start == START + 100 * SAMPLE
+
+
+@pytest.mark.parametrize("time", [102, 101, 50])
+def test_a_run_that_follows_at_once_or_by_a_clock_that_was_set_back_has_no_silence(written, time):
+    sound, samples = written(100, 101, 50, times=(100, 101, time))
     assert (sound.lost, list(samples)) == (0, [7, 7, 7])
+
+
+def test_silence_between_runs_is_bounded_as_within_them(written, monkeypatch):
+    monkeypatch.setattr(sound_stream, "MOST_SILENCE", 5)
+    sound, samples = written(0, 4, 0, 0, times=(0, 4, 10, 10**6))
+    assert list(samples) == [7, 0, 0, 0, 7, 0, 0, 7, 7]
+    assert (sound.lost, sound.unfilled) == (3 + 5 + 10**6 - 11, 10**6 - 11 + 3)
 
 
 def test_silence_is_bounded_over_all_gaps_and_what_is_lost_beyond_it_counted(written, monkeypatch):

@@ -71,9 +71,15 @@ def test_an_existing_file_is_never_overwritten(tmp_path):
     assert (tmp_path / "f").read_bytes() == b"a recording"
 
 
-def test_a_file_deleted_while_it_is_written_is_an_error(tmp_path):
+@pytest.mark.parametrize("look", [DurableStream.sync, DurableStream.check])
+def test_a_file_deleted_while_it_is_written_is_an_error(tmp_path, look):
     stream = DurableStream(tmp_path / "f")
-    stream.sync()
+    look(stream)
     (tmp_path / "f").unlink()
     with pytest.raises(RecordingFailed, match="deleted while"):
-        stream.sync()
+        look(stream)
+
+
+def test_looking_for_the_file_waits_for_no_disk(tmp_path, monkeypatch):
+    monkeypatch.setattr("os.fdatasync", pytest.fail)
+    DurableStream(tmp_path / "f").check()

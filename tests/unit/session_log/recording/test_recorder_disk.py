@@ -66,6 +66,19 @@ def test_a_disk_that_fills_and_empties_again_costs_nothing(tmp_path, make_record
     assert recorder.status().written == 300
 
 
+@pytest.mark.parametrize("sync_period", [0.0, 600.0])
+def test_a_file_that_is_deleted_is_lost_however_seldom_the_disk_is_waited_for(
+    tmp_path, make_recorder, sync_period
+):
+    recorder = make_recorder(sync_period=sync_period)
+    recorder.start()
+    wait_until(lambda: recorder.status().is_recording)
+    (tmp_path / "s.mcap").unlink()
+    wait_until(lambda: "deleted while" in recorder.status().error)
+    assert not recorder.status().is_recording
+    assert "deleted while" in recorder.close()
+
+
 def test_memory_stays_bounded_while_the_disk_is_full(tmp_path, make_recorder):
     def write(fd, data):
         raise full()
@@ -166,3 +179,8 @@ def test_a_drop_counts_as_loss_for_a_while_and_stays_counted(make_recorder, reco
     assert recorder.status().error == "messages are being dropped: the disk is too slow"
     now[0] += 0.1
     assert (recorder.status().error, recorder.status().dropped) == ("", 1)
+
+
+def test_either_bound_of_the_queue_holds_a_session_for_twenty_minutes(recorder_config):
+    assert recorder_config.queue_messages / 1600 >= 20 * 60  # messages/s
+    assert recorder_config.queue_size / 400_000 >= 20 * 60  # [B/s]

@@ -11,7 +11,8 @@ from session_log.mcap_file.encoding import WrongEncoding
 from session_log.mcap_file.reader import SessionReader
 from session_log.ros import player_node
 from session_log.types import Message, MessageSource
-from support.story import recording_of
+from support.message_classes import class_of, source_of
+from support.story import Story, recording_of
 from tests.unit.session_log.support.foreign import NOW, write_foreign
 
 
@@ -92,6 +93,40 @@ def test_the_order_of_other_programs_files_is_none_of_a_clock(monkeypatch, tmp_p
     player_of(tmp_path / "s.mcap", (0.0, 60.0, 59.0, 61.0)).play()
     assert sum(waits) == pytest.approx(61.0, abs=0.01)
     assert not capsys.readouterr().out
+
+
+class Topic:
+    """Stands in for a publisher, and keeps what it is given."""
+
+    def __init__(self, name, kind, **_):
+        self.name, self.data_class, self.sent = name, kind, []
+
+    def publish(self, message):
+        self.sent.append(message._buff)
+
+
+def test_a_viewer_that_comes_late_gets_the_static_frames_of_every_node(
+    monkeypatch, tmp_path, waits
+):
+    """A topic that is played has one publisher, which keeps its last message for them."""
+    monkeypatch.setattr(player_node.rospy, "is_shutdown", lambda: False)
+    monkeypatch.setattr(player_node.rospy, "Publisher", Topic)
+    messages, frame = [], class_of("geometry_msgs/TransformStamped")
+    for node in ("trocar", "camera"):
+        story = Story()
+        story.sources["/tf_static"] = source_of("/tf_static", "tf2_msgs/TFMessage", f"/{node}")
+        frames = [frame(child_frame_id=node)]
+        story.say(1.0, "/tf_static", "tf2_msgs/TFMessage", transforms=frames)
+        messages += story.messages
+    odd = messages[0]._replace(data=b"x", sequence=2)
+    session = recording_of(tmp_path / "s.mcap", [*messages, odd])
+    player = player_node.RecordingPlayer(session, 1.0, "/played", pytest.fail)
+    player.prepare()
+    player.play()
+    (topic,) = player._out.values()
+    last = class_of("tf2_msgs/TFMessage")().deserialize(topic.sent[1])
+    assert [f.child_frame_id for f in last.transforms] == ["trocar", "camera"]
+    assert (topic.sent[0], topic.sent[2]) == (messages[0].data, b"x")
 
 
 def test_messages_that_are_none_of_ros_1_are_not_played(tmp_path):

@@ -14,11 +14,12 @@ from pathlib import Path
 
 from session_log.config import ReportConfig
 from session_log.errors import OutputFailed, SessionLogError, SessionMissing
-from session_log.export.export import FORMATS, export_topics
+from session_log.export.export import FORMATS, export_topics, seconds
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.recover import recover
 from session_log.mcap_file.session_folder import RECOVERED, report_folder
 from session_log.mcap_file.summary import RecordingSummary, read_summary
+from session_log.recording.metadata import PARAMETERS
 from session_log.recording.recorder import MANY_PUBLISHERS
 from session_log.replay import command as replay_command
 from session_log.report import command as report_command
@@ -94,14 +95,14 @@ def _export(arguments: argparse.Namespace) -> int:
         short = result.unfilled_samples
         more = f", {short} of them without silence in their place" if short else ""
         print(f"{result.sound}: {result.samples} samples, {result.lost_samples} lost{more}")
+        print(f"{result.sound}: begins at {seconds(result.sound_start)} s, the time of the tables")
     if result.undecodable:
         print(f"{result.undecodable} messages do not fit their definition")
         for reason in result.unfit.values():
             print(reason)
-    summary = RecordingSummary(reader.condition)
-    for line in _troubles(summary):
+    for line in _troubles(result.recording):
         print(line)
-    is_whole = not summary.lacks({*wanted, topics.audio}) and not result.undecodable
+    is_whole = not result.recording.lacks({*wanted, topics.audio}) and not result.undecodable
     return 0 if is_whole and not (arguments.topic and without) else 1
 
 
@@ -142,7 +143,7 @@ def _print_summary(result: RecordingSummary, path: Path) -> None:
         rate = f"{topic.rate:.1f} Hz" if topic.messages > 1 else "-"
         print(f"{name:{width}}  {topic.messages:9}  {rate:>9}  {topic.missing:7}  {topic.datatype}")
     latest = dict(result.condition.metadata)
-    for name in (n for n in latest if n != "parameters"):
+    for name in (n for n in latest if n != PARAMETERS):
         print(f"\n[{name}]")
         for key, value in latest[name].items():
             print(f"{key}: {_first_line(value)}")

@@ -10,6 +10,7 @@ from array import array
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
+from functools import partial
 from importlib.util import find_spec
 from itertools import count
 from operator import index
@@ -18,9 +19,11 @@ from tempfile import TemporaryDirectory
 from typing import Any, Literal, Protocol
 
 from session_log.errors import OutputFailed, SessionLogError
-from session_log.export.sound_stream import MOST_RATE, SoundFile
+from session_log.export.sound_stream import MOST_RATE, NANOSECONDS, SoundFile
+from session_log.mcap_file.condition import FileCondition
 from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable, fields_of, is_time
 from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.summary import MessageCounter, RecordingSummary
 from session_log.types import Message
 
 Format = Literal["csv", "parquet"]
@@ -29,8 +32,7 @@ FORMATS: Mapping[str, tuple[Format, ...]] = {
     "parquet": ("parquet",),
     "both": ("csv", "parquet"),
 }
-
-NANOSECONDS = 1_000_000_000
+_OTHER_TYPES = (AttributeError, TypeError, ValueError, OverflowError)  # of the fields of the sound
 
 
 class ParquetMissing(SessionLogError):
@@ -47,10 +49,12 @@ class ParquetMissing(SessionLogError):
 class Export:
     """What was written."""
 
+    recording: RecordingSummary  # of the exported topics; without steps of the clock
     rows: dict[Path, int] = field(default_factory=dict)
     sound: Path | None = None
+    sound_start: int = 0  # [ns] since 1970, by the stamp of its first sample
     samples: int = 0
-    lost_samples: int = 0
+    lost_samples: int = 0  # with those of the time between two runs of the voice node
     unfilled_samples: int = 0  # of those lost: without silence in their place
     undecodable: int = 0
     topics: set[str] = field(default_factory=set)  # those that have a table
@@ -131,21 +135,26 @@ class _Exporter:
         self._stems = file_stems(topics)
         self._used = set(self._stems.values())
         self._sound: SoundFile | None = None
-        self._result = Export()
+        self._result = Export(RecordingSummary(FileCondition()))
 
     def run(self, reader: SessionReader) -> Export:
+        counter = MessageCounter(reader)
         for message in reader.messages({*self._topics, self._audio}):
+            counter.add(message)
             try:
                 self._take(message)
             except (Undecodable, MissingField) as error:
                 self._result.undecodable += 1
                 self._result.unfit.setdefault(error.topic, str(error))
+        # a few topics may be silent for long: what looks like steps of the clock is none
+        self._result.recording = replace(counter.summary(), clock_steps=[])
         tables = [table for group in self._tables.values() for table in group]
         self._result.rows = {table.path: table.rows for table in tables}
         self._result.topics = {topic for topic, *_ in self._tables}
         if self._sound:
             result, sound = self._result, self._sound
             result.sound, result.samples = sound.path, sound.samples
+            result.sound_start = sound.start
             result.lost_samples, result.unfilled_samples = sound.lost, sound.unfilled
         return self._result
 
@@ -157,11 +166,13 @@ class _Exporter:
                 table.add(message, content)
         if topic == self._audio:
             try:
-                self._decoder.read(message, self._hear)
-            except (TypeError, ValueError, OverflowError) as error:  # fields of other types
+                self._decoder.read(message, partial(self._hear, message.log_time))
+            except _OTHER_TYPES as error:
                 raise Undecodable(message, error) from error
 
-    def _hear(self, content: Any) -> None:
+    def _hear(self, log_time: int, content: Any) -> None:
+        stamp = content.header.stamp
+        time = stamp.secs * NANOSECONDS + stamp.nsecs or log_time
         rate, first = index(content.rate), index(content.first_sample)
         samples = array("h", content.samples)
         if not 0 < rate <= MOST_RATE:
@@ -171,7 +182,7 @@ class _Exporter:
             self._sound = self._stack.enter_context(SoundFile(path, rate))
         if rate != self._sound.rate:
             raise ValueError(f"rate is {rate} Hz, in audio.wav it is {self._sound.rate}")
-        self._sound.add(first, samples)
+        self._sound.add(first, samples, time)
 
     def _tables_of(self, message: Message) -> list[_Table]:
         source = message.source

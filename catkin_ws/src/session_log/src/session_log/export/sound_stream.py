@@ -10,6 +10,7 @@ from pathlib import Path
 
 from session_log.errors import OutputFailed
 
+NANOSECONDS = 1_000_000_000
 MOST_SILENCE = 57_600_000  # samples in a file: an hour at 16 kHz, 115 MB
 MOST_RATE = (1 << 31) - 1  # [Hz] the file has 4 bytes for twice the rate
 MOST_SOUND = (1 << 32) - 64  # [B] it has 4 bytes for its size, head included
@@ -31,7 +32,10 @@ class StreamWatch:
 
 
 class SoundFile:
-    """The sound as it was recorded; what is missing within a run of the node becomes silence.
+    """The sound as it was recorded; what is missing becomes silence.
+
+    Within a run of the node the indices of the samples tell how much that is, between two runs
+    their stamps.
 
     Args:
         path: Of the WAV file.
@@ -39,14 +43,16 @@ class SoundFile:
 
     Attributes:
         rate: The same.
+        start: When the first sample was captured [ns].
         samples: How many were recorded.
-        lost: How many are missing within runs.
+        lost: How many are missing.
         unfilled: How many of those have no silence in their place: there were too many.
     """
 
     def __init__(self, path: Path, rate: int) -> None:
         self.path, self.rate = path, rate
-        self.samples = self.lost = self.unfilled = 0
+        self.start = self.samples = self.lost = self.unfilled = 0
+        self._end = 0  # [ns] when the next sample is due
         self._size = 0  # [B]
         self._watch = StreamWatch()
         self._file = wave.open(str(path), "wb")  # noqa: SIM115 - closed in __exit__
@@ -54,15 +60,25 @@ class SoundFile:
         self._file.setsampwidth(2)
         self._file.setframerate(rate)
 
-    def add(self, first: int, samples: array[int]) -> None:
-        """Take the next block of sound, whose first sample has this index in its run.
+    def add(self, first: int, samples: array[int], time: int) -> None:
+        """Take the next block of sound.
+
+        Args:
+            first: Index of its first sample in its run.
+            samples: Shape (n,).
+            time: When the first of them was captured [ns].
 
         Raises:
             OutputFailed: There is more sound than the file can hold; what is in it stays.
         """
         is_new, missing = self._watch(first, len(samples))
-        if not is_new:
+        if is_new:
+            missing = max((time - self._end) * self.rate // NANOSECONDS, 0)
+        if self.samples:
             self._fill(missing)
+        else:
+            self.start = time
+        self._end = time + len(samples) * NANOSECONDS // self.rate
         self._write(samples.tobytes())
         self.samples += len(samples)
 

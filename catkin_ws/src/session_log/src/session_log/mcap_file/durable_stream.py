@@ -76,6 +76,17 @@ class DurableStream:
         """
         try:
             os.fdatasync(self._fd)
+        except OSError as error:
+            raise RecordingFailed(self.path, error) from error
+        self.check()
+
+    def check(self) -> None:
+        """See whether the file still has a name, without waiting for the disk.
+
+        Raises:
+            RecordingFailed: It was deleted.
+        """
+        try:
             if os.fstat(self._fd).st_nlink == 0:
                 raise OSError(errno.ENOENT, "the file was deleted while it was being written")
         except OSError as error:

@@ -68,12 +68,16 @@ class RecordingSummary:
     def lacks(self, topics: Collection[str]) -> bool:
         """Whether messages of these topics may be lost: by damage, here or before, or dropped.
 
+        What was dropped shows in the numbers of the messages that were read, if the recorder was
+        killed before it could say so.
+
         A recording that was only not closed has all that it had received but the last moment.
         """
         condition = self.condition
         is_damaged = bool(condition.damage) or condition.checksum == "wrong"
         dropped = any(name.partition(" from ")[0] in topics for name in self.dropped)
-        return is_damaged or dropped or any(_lost(account) for account in self._accounts)
+        gaps = any(count.missing for name, count in self.topics.items() if name in topics)
+        return is_damaged or dropped or gaps or any(_lost(account) for account in self._accounts)
 
     @property
     def _accounts(self) -> list[dict[str, str]]:

@@ -126,6 +126,14 @@ class SessionWriter:
         """
         self._stream.sync()
 
+    def check(self) -> None:
+        """See whether the file is still there.
+
+        Raises:
+            RecordingFailed: It was deleted.
+        """
+        self._stream.check()
+
     @property
     def committed(self) -> int:
         """Size of the file [B]."""

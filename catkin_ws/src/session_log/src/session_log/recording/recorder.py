@@ -228,6 +228,7 @@ class Recorder:
             if until:
                 self._written_until = until
                 break
+        self._writer.check()  # whatever sync_period is
         self._sync_if_due(self._writer)
 
     def _take(self) -> tuple[list[Message | Metadata], int]:

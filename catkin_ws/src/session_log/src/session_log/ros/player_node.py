@@ -12,6 +12,7 @@ import argparse
 import sys
 import time
 from collections.abc import Callable, Collection
+from contextlib import suppress
 from datetime import datetime
 from io import BytesIO
 from typing import Any
@@ -19,8 +20,10 @@ from typing import Any
 import rospy
 
 from session_log.errors import SessionLogError
+from session_log.mcap_file.decoder import MissingField, Undecodable
 from session_log.mcap_file.encoding import WrongEncoding
 from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.static_frames import STATIC_TOPIC, StaticFrames
 from session_log.mcap_file.summary import CLOCK_STEP, ClockStep
 from session_log.types import URDF_TOPIC, Message, MessageSource
 from typed_config.ros.xmlrpc import FAILURES, ask_master, master_problem
@@ -65,6 +68,7 @@ class RecordingPlayer:
         self._reader, self._rate, self._prefix, self._live = reader, rate, prefix, live
         self._checked = 0.0  # [s] steady clock
         self._out: dict[str, rospy.Publisher] = {}
+        self._frames = StaticFrames()
         self._names: list[str] = []  # of the topics that are played
         self.count = 0
 
@@ -127,8 +131,18 @@ class RecordingPlayer:
     def _publish(self, message: Message) -> None:
         publisher = self._out.get(message.source.topic)
         if publisher is not None:
-            publisher.publish(publisher.data_class(message.data))
+            publisher.publish(publisher.data_class(self._bytes_of(message)))
             self.count += 1
+
+    def _bytes_of(self, message: Message) -> bytes:
+        """As recorded; static frames with those of all nodes before, for viewers that come later.
+
+        A recorded node kept its own last message for them, and the player keeps one for all.
+        """
+        if message.source.topic == STATIC_TOPIC:
+            with suppress(Undecodable, MissingField):  # then as it is
+                return self._frames.merged(message)
+        return message.data
 
 
 class NoMaster(SessionLogError):
@@ -165,7 +179,7 @@ def _publisher(source: MessageSource, name: str) -> rospy.Publisher:
         "_has_header": False,  # the recorded one stays as it is
     }
     kind = type("Recorded", (RawMessage,), facts)
-    latch = source.is_latched or source.topic in (URDF_TOPIC, "/tf_static")
+    latch = source.is_latched or source.topic in (URDF_TOPIC, STATIC_TOPIC)
     return rospy.Publisher(name, kind, queue_size=1000, latch=latch)
 
 
