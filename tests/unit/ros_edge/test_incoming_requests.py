@@ -32,6 +32,7 @@ from rst_control.ros.rospy_patches import message_limits
 from rst_control.ros.rospy_patches.message_framing import LONGEST_MESSAGE
 from rst_control.srv import SetTrocar
 from rst_control.supervision.heartbeat import Heartbeat
+from support.waiting import wait_until
 from tests.support.null_executor import Nobody
 from typed_config.node_names import UNNAMED
 
@@ -234,7 +235,8 @@ class Actions(GuardedServer):
         self._limiter = CallLimiter(config, lambda: 0.0)
         self.lock, self.started = threading.RLock(), True
         self.status_list, self.last_cancel = [], genpy.Time()
-        self.taken, self.refused = [], []
+        self.taken, self.refused, self.stopped = [], [], []
+        self._on_stop = lambda goal: self.stopped.append(goal.goal_id.id)
         self.ActionResultType = AssistResult
         self.goal_callback = lambda handle: self.taken.append(handle.get_goal().command)
         self.cancel_callback = lambda handle: None
@@ -280,6 +282,29 @@ def test_goals_of_who_does_not_hear_of_their_end_are_rejected_as_those_of_a_bag_
     server.internal_goal_callback(goal("hey robot", "h", "/play_1700000000"))
     assert server.taken == [] and len(server.refused) == 2
     server.internal_goal_callback(goal("stop", "s", "/play_1700000000"))
+    assert server.taken == ["stop"]
+
+
+def test_a_stop_counts_though_its_id_or_its_time_was_cancelled():
+    server, now = Actions(allowed=()), rospy.Time.now()
+    server.internal_cancel_callback(GoalID(stamp=now))
+    server.internal_cancel_callback(GoalID(id="used"))
+    late = goal("stop", "late")
+    late.goal_id.stamp = now - rospy.Duration(1.0)
+    for stop in (late, goal("stop", "used"), goal("stop", "used"), goal("tense", "no stop")):
+        server.internal_goal_callback(stop)
+    assert server.stopped == ["late", "used", "used"]
+
+
+def test_a_stop_does_not_wait_for_who_sends_it_to_be_known():
+    server, looked_up = Actions(), threading.Event()
+    server._goals = SimpleNamespace(has_true_name=lambda _: looked_up.wait())
+    thread = threading.Thread(target=server.internal_goal_callback, args=(goal("stop", "g"),))
+    thread.start()
+    wait_until(lambda: server.stopped == ["g"])
+    assert server.taken == []
+    looked_up.set()
+    thread.join()
     assert server.taken == ["stop"]
 
 

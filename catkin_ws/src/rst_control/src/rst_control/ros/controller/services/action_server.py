@@ -40,6 +40,7 @@ class GuardedServer(actionlib.ActionServer):
     Args:
         limiter: Knows who may command, and how often.
         known: Knows whether a name that a goal claims is true.
+        on_stop: Gets every goal that is a stop, before anything is asked about it.
         on_goal: Gets every goal that is let in.
         on_cancel: Gets every goal that is to be cancelled; a cancel is never turned away.
         on_cancel_all: Gets every cancel that names no goal, also where none is under way.
@@ -49,11 +50,12 @@ class GuardedServer(actionlib.ActionServer):
         self,
         limiter: CallLimiter,
         known: KnownPublishers,
+        on_stop: Callable[[AssistActionGoal], None],
         on_goal: OnGoal,
         on_cancel: OnGoal,
         on_cancel_all: Callable[[GoalID], None],
     ) -> None:
-        self._limiter, self._on_cancel_all = limiter, on_cancel_all
+        self._limiter, self._on_stop, self._on_cancel_all = limiter, on_stop, on_cancel_all
         self._goals = known.watch()
         super().__init__("rst_control/execute", AssistAction, on_goal, on_cancel, auto_start=False)
 
@@ -63,7 +65,13 @@ class GuardedServer(actionlib.ActionServer):
         self._goals.subscriber = self.goal_sub
 
     def internal_goal_callback(self, goal: AssistActionGoal) -> None:
-        """Turn a goal away, or let actionlib take it."""
+        """Turn a goal away, or let actionlib take it.
+
+        Of a stop actionlib only keeps the books. It would drop one whose id, or whose time, was
+        cancelled; and the master, which may hang, is asked about who sends a first goal.
+        """
+        if is_stop(goal.goal.command):
+            self._on_stop(goal)
         goal.goal_id.stamp = _not_after_now(goal.goal_id.stamp)
         admission = self._limiter.admit(caller_of(goal), is_stop(goal.goal.command))
         refusal = admission.refusal or self._unheard(goal) or self._too_much(goal.goal_id)
@@ -124,7 +132,7 @@ class AssistServer:
         self._news: queue.SimpleQueue[tuple[ServerGoalHandle, Reply | Outcome]] = (
             queue.SimpleQueue()
         )
-        callbacks = self._on_goal, self._on_cancel, self._on_cancel_all
+        callbacks = self._on_stop, self._on_goal, self._on_cancel, self._on_cancel_all
         self._server = GuardedServer(limiter, known, *callbacks)
 
     def start(self) -> rospy.Subscriber:
@@ -164,6 +172,11 @@ class AssistServer:
                 goal.set_canceled(result, outcome.message)
             case "failed":
                 goal.set_aborted(result, outcome.message)
+
+    def _on_stop(self, goal: AssistActionGoal) -> None:
+        received, caller = time.monotonic(), caller_of(goal)
+        cause = Cause(Reason.STOP_COMMAND, f'"stop" from action client {caller}')
+        self._executor.stop(cause, received, caller)
 
     def _on_goal(self, goal: ServerGoalHandle) -> None:
         wanted = goal.get_goal()
