@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from rst_control.ros.crtk.node import DROPPED, CrtkNode
+from rst_control.ros.crtk.node import DROPPED, STOPPED_AGAIN, CrtkNode
 
 
 def node():
@@ -62,3 +62,23 @@ def test_what_was_taken_from_the_queue_is_dropped_too_while_it_waits_for_the_con
     it._give(*it._commands.get())
     assert asked == given
     assert it.warned == ([] if given else [f"hey robot: {DROPPED}"])
+
+
+@pytest.mark.parametrize("words", ["enable", "disable"])
+def test_what_reaches_the_controller_after_a_pause_is_undone(words):
+    it, stops = node()
+    says(it, words)
+    before = len(stops)
+
+    class Slow:
+        def wait_for_service(self, _):
+            pass
+
+        def __call__(self, command):
+            says(it, "pause")
+            return SimpleNamespace(accepted=True)
+
+    it._command = Slow()
+    it._give(*it._commands.get())
+    assert len(stops) - before == (2 if words == "enable" else 1)
+    assert it.warned == ([f"hey robot: {STOPPED_AGAIN}"] if words == "enable" else [])

@@ -43,6 +43,7 @@ WAITING = 5  # commands; of more the newest are refused
 ANSWER_WITHIN = 2.0  # [s] for the controller's service to be there
 ENDS = state_command("disable").command  # waits on, whatever stops the robot after it
 DROPPED = "dropped, since a command that stops the robot came after it"
+STOPPED_AGAIN = "undone by a stop, since a command that stops the robot came after it"
 AGAIN = 1.0  # [s] after which an unchanged state is sent anew
 
 
@@ -166,6 +167,9 @@ class CrtkNode:
             return
         if not answer.accepted:
             self._warn(f"{command}: refused; {answer.message}")
+        elif brakes != self._brakes and command != ENDS:  # it may have come after the stop
+            self._stop.publish(EmptyMessage())
+            self._warn(f"{command}: {STOPPED_AGAIN}")
 
     def _warn(self, words: str) -> None:
         rospy.logwarn("crtk: %s", words)
