@@ -6,9 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rst_control.assembly import make_trocar_context
 from rst_control.types import State
+from tests.support.changed_settings import changed
 from tests.support.fake_robot import FakeRobot
-from tests.unit.rst_control.support.executor_rig import Rig
+from tests.unit.rst_control.support.executor_rig import Rig, shared
 
 STIFFNESSES = [80.0, 600.0, 4000.0]
 
@@ -177,3 +179,20 @@ def test_no_tension_stops_an_easing_motion():
     assert rig.view.tension > rig.config.controller.tension.limit
     rig.finish("pull less")
     assert felt(rig) == pytest.approx(rig.config.controller.tension.maximum, abs=0.03)
+
+
+@pytest.mark.parametrize(("step", "relaxed"), [(0.1, 0.78), (0.2, 0.72), (0.4, 0.9)])
+def test_pull_less_never_pulls_on_though_the_tissue_relaxed_within_the_tolerance(step, relaxed):
+    config = changed(shared()[0], tension={"tolerance": 0.15, "noise": 0.1})
+    rig = Rig(config=config, stiffness=100.0, context=make_trocar_context(config, shared()[1]))
+    rig.awake().finish("tense")
+    rig.believing()
+    rig.robot.tissue.stiffness *= relaxed / felt(rig)
+    rig.run(0.5)
+    place = furthest = rig.view.grasp.s
+    pending = rig.say("pull less", tension=step)
+    assert pending.reply.result(0).accepted
+    while not pending.ended.done():
+        rig.tick()
+        furthest = max(furthest, rig.view.grasp.s)
+    assert furthest <= place + 1e-5

@@ -56,6 +56,8 @@ def _plan_tension(context: PlanningContext, is_more: bool) -> Accepted | Rejecte
         return pull_by_distance.unseen("", config)
     step = context.request.tension or config.step_tension
     base = _base_tension(context, grasp)
+    if not is_more and not is_moving:  # tissue that relaxed within the tolerance is not pulled on
+        base = base if base - step < context.measured.tension else context.measured.tension
     # Less, from above what is allowed, leads all the way back to it.
     target = base + step if is_more else min(base - step, config.maximum)
     refusal = target_refusal(target, config) or unable
