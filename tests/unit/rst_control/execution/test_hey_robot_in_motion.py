@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What is said during a motion neither clears the latch it brakes into nor renames it."""
 
+import numpy as np
 import pytest
 
 from rst_control.types import Reason, State
@@ -19,8 +20,8 @@ def test_hey_robot_in_the_tick_of_a_fault_is_refused_and_clears_nothing():
     rig.robot.hold()
     rig.until(pending.reply.done)
     reply = pending.reply.result(0)
-    assert not reply.accepted and reply.reason is Reason.NOT_AT_REST
-    assert "still braking" in reply.message
+    assert not reply.accepted and reply.reason is Reason.WITHDRAWN
+    assert reply.message == "it came before a fault"
     assert rig.state is State.STOPPING and rig.view.mode.mode_after is State.FAULTED
     rig.rest()
     assert rig.state is State.FAULTED
@@ -56,3 +57,18 @@ def test_a_motion_that_takes_over_has_its_own_name():
     rig.finish("pull more")
     assert commands(rig, "motion_finished") == ["pull more"]
     assert rig.view.command == "pull more"
+
+
+def test_hey_robot_in_the_tick_of_a_sensor_fault_does_not_clear_it_later():
+    rig, off = Rig().moving("reach"), np.zeros(10)
+    off[0] = 0.01
+    pending = rig.queue.take("hey robot", "test")
+    rig.robot.push(off)
+    rig.tick()
+    rig.robot.push(-off)
+    rig.run(0.6)  # longer than the objection, and than the time of a reset
+    assert rig.state is State.FAULTED and rig.view.mode.cause.reason is Reason.SENSOR_FAULT
+    assert not pending.reply.result(0).accepted
+    assert commands(rig, "cleared") == []
+    rig.say("hey robot")
+    assert rig.state is State.ACTIVE

@@ -287,3 +287,13 @@ def test_a_shaft_in_the_patient_beside_the_trocar_is_not_led_further_off():
     rig.errors.clear()
     rig.run(1.0)
     assert max(rig.errors) < MOST
+
+
+@pytest.mark.parametrize("phase", ["open", "reach"])
+def test_a_robot_that_held_by_itself_wakes_here_too(phase):
+    rig = FollowingRig(0.0).run(0.3).moving(phase).run(0.1)
+    rig.true_robot.hold()
+    rig.true_robot.fault = "set-points stopped coming while moving, 21 ms ago"
+    rig.until(lambda: not rig.executor.snapshot.is_moving)
+    rig.run(0.5).say("hey robot")
+    assert rig.run(0.5).state is State.ACTIVE

@@ -328,6 +328,7 @@ class Executor:
     def _fault(self, cause: Cause | None) -> None:
         mode = self._mode if cause is None else state_machine.faulted(self._mode, cause)
         if mode != self._mode:
+            self._fault_reset.drop(Cause(Reason.WITHDRAWN, "it came before a fault"))
             self._latch(mode)
 
     def _refuse(self, order: Order, cause: Cause) -> None:

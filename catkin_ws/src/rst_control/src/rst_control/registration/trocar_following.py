@@ -75,8 +75,9 @@ class TrocarFollowing(ChangedRobot):
 
     def _taken_in(self, measured: Measurement) -> Measurement:
         """The joints as if the trocar had not moved, and whether it may be followed."""
-        if self._raw is not None:
-            self._frozen.update(self._raw, measured, kept_open(measured, self._sent))
+        if self._raw is not None:  # nothing is left of what was sent to a robot with a fault
+            sent = None if self._raw.fault else kept_open(measured, self._sent)
+            self._frozen.update(self._raw, measured, sent)
         is_found = self._sent is None and self._find_shift(measured)
         fault = measured.fault or self._fault(measured.stamp)
         seen = replace(self.noted.undone(measured), fault=fault)

@@ -72,8 +72,8 @@ class SensorWatch:
         if measured.stamp <= last.stamp:
             return
         self._last = measured
-        if measured.fault:  # it goes nowhere, wherever it is sent
-            setpoint = pulled = None
+        if measured.fault:  # it pulls nothing
+            pulled = None
         is_gap = measured.stamp - last.stamp > self._gap  # over it, all may have changed
         words = self._motion(last, measured, is_gap)
         is_blind = is_gap or bool(measured.tension_invalid_reason)
@@ -141,9 +141,10 @@ class SensorWatch:
 def kept_open(measured: Measurement, setpoint: Vector | None) -> Vector | None:
     """The set-point with the jaws sent no further closed than they stand [rad]. Shape (10,).
 
-    What lies between them may keep them open; that is a grip, and no frozen reading.
+    What lies between them may keep them open; that is a grip, and no frozen reading. None: nowhere,
+    as of a robot with a fault, wherever it is sent.
     """
-    if setpoint is None:
+    if setpoint is None or measured.fault:
         return None
     q, sent = planning_joints(setpoint)
     return robot_joints(q, max(sent, planning_joints(measured.position)[1]))
