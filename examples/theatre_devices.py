@@ -6,28 +6,30 @@ import rospy
 from std_msgs.msg import Bool, Float64
 from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse, Trigger, TriggerResponse
 
-STEP, LOWEST, HIGHEST = 1.0, 8.0, 15.0  # [mmHg]
+STEP, REST, LOWEST, HIGHEST = 1.0, 12.0, 8.0, 15.0  # [mmHg]
 
 
 class Theatre:
     """All three."""
 
     def __init__(self) -> None:
-        self.pressure, kept = 12.0, {"queue_size": 1, "latch": True}
+        self.pressure, kept = REST, {"queue_size": 1, "latch": True}
         self.light = rospy.Publisher("/theatre/light/state", Bool, **kept)
         self.gas = rospy.Publisher("/theatre/insufflator/pressure", Float64, **kept)
         recorder = rospy.Publisher("/theatre/endoscope/is_recording", Bool, **kept)
         rospy.Service("/theatre/light", SetBool, self._switch)
-        rospy.Service("/theatre/insufflator/raise", Trigger, lambda _: self._turn(STEP))
-        rospy.Service("/theatre/insufflator/lower", Trigger, lambda _: self._turn(-STEP))
+        rospy.Service(
+            "/theatre/insufflator/raise", Trigger, lambda _: self._set(self.pressure + STEP)
+        )
+        # A stop undoes any number of steps by one call, so it leads to one pressure.
+        rospy.Service("/theatre/insufflator/lower", Trigger, lambda _: self._set(REST))
         rospy.Subscriber("/theatre/endoscope/record", Bool, recorder.publish)
 
     def _switch(self, request: SetBoolRequest) -> SetBoolResponse:
         self.light.publish(request.data)
         return SetBoolResponse(True, "")
 
-    def _turn(self, step: float) -> TriggerResponse:
-        wanted = self.pressure + step
+    def _set(self, wanted: float) -> TriggerResponse:
         if is_allowed := LOWEST <= wanted <= HIGHEST:
             self.pressure = wanted
             self.gas.publish(wanted)

@@ -8,7 +8,7 @@ import pytest
 from typed_config import ConfigError, load_config, load_yaml
 from voice_assist.config import CONFIG_DIR, CommandsConfig
 from voice_assist.config.devices import devices_config, require_harmless
-from voice_assist.devices.calls import MAX_WAITING, DeviceCalls, result_words
+from voice_assist.devices.calls import MAX_WAITING, CallResult, DeviceCalls, result_words
 
 FILE = load_yaml(CONFIG_DIR / "devices.yaml")
 COMMANDS = load_config(CommandsConfig, load_yaml(CONFIG_DIR / "theatre_commands.yaml"))
@@ -31,20 +31,31 @@ def made(*calls):
     return devices_config({"calls": list(calls)})
 
 
+def end(calls, one, is_done=True, may_have_effect=True):
+    """A call that was given ends."""
+    calls.ended(CallResult(one, is_done, "", may_have_effect))
+
+
 def begun(calls, count=100):
-    """Phrases of the calls that are made now, in their order."""
+    """Phrases of the calls that are begun now and do not end, in their order."""
     return [one.phrase for one in islice(iter(lambda: calls.next(0.0), None), count)]
 
 
-def undone(calls, count=100):
+def undone(calls, is_done=True):
     """Phrases of the calls that a stop's thread makes now, in their order."""
-    return [one.phrase for one in islice(iter(lambda: calls.next_undoing(0.0), None), count)]
+    phrases = []
+    while (one := calls.next_undoing(0.0)) is not None:
+        phrases.append(one.phrase)
+        end(calls, one, is_done)
+    return phrases
 
 
-def make(calls, *words):
+def make(calls, *words, **result):
     for word in words:
         assert calls.said(word) is None
-        assert begun(calls) == [word]
+        one = calls.next(0.0)
+        assert one.phrase == word
+        end(calls, one, **result)
 
 
 PRESSURE = (call("higher pressure", on_stop="pressure down"), call("pressure down"))
@@ -91,9 +102,46 @@ def test_a_stop_that_is_reported_twice_undoes_all_of_it_once():
     calls = DeviceCalls(made(*PRESSURE, *LIGHT))
     make(calls, "higher pressure", "light on")
     calls.stopped()
-    assert undone(calls, 1) == ["go dark"]
+    dark = calls.next_undoing(0.0)
+    assert dark.phrase == "go dark"
     assert calls.stopped() == ()  # the stop topic first, then the controller's event
+    end(calls, dark)
+    assert calls.stopped() == ()
     assert undone(calls) == ["pressure down"]
+
+
+@pytest.mark.parametrize("before", [(), ("higher pressure",)])
+@pytest.mark.parametrize("may_have_effect", [False, True])
+def test_a_call_that_failed_is_undone_only_if_it_may_have_had_an_effect(before, may_have_effect):
+    """An earlier one that was done is undone in any case."""
+    calls = DeviceCalls(made(*PRESSURE))
+    make(calls, *before)
+    make(calls, "higher pressure", is_done=False, may_have_effect=may_have_effect)
+    calls.stopped()
+    assert undone(calls) == (["pressure down"] if before or may_have_effect else [])
+
+
+def test_what_undoes_a_call_is_made_at_each_stop_until_it_is_done():
+    calls = DeviceCalls(made(*LIGHT))
+    make(calls, "light on")
+    for is_done in (False, False, True):
+        calls.stopped()
+        assert undone(calls, is_done) == ["go dark"]
+    calls.stopped()
+    assert undone(calls) == []
+
+
+def test_a_call_at_work_is_undone_once_and_again_if_it_is_done_after_that():
+    calls = DeviceCalls(made(*LIGHT))
+    for is_done, again in ((False, []), (True, ["go dark"])):
+        calls.said("light on")
+        light = calls.next(0.0)
+        for undos in (["go dark"], []):  # one stop, reported twice
+            calls.stopped()
+            assert undone(calls) == undos
+        end(calls, light, is_done)
+        calls.stopped()
+        assert undone(calls) == again
 
 
 def test_what_waits_at_a_stop_is_dropped_and_not_undone():
@@ -125,8 +173,10 @@ def test_what_is_said_after_a_stop_waits_for_what_the_stop_undoes():
     calls.stopped()
     calls.said("light on")
     assert begun(calls) == []
-    assert undone(calls, 1) == ["go dark"]
+    dark = calls.next_undoing(0.0)
+    assert dark.phrase == "go dark"
     assert begun(calls) == []  # it is at work
+    end(calls, dark)
     assert undone(calls) == []
     assert begun(calls) == ["light on"]
 
@@ -134,7 +184,8 @@ def test_what_is_said_after_a_stop_waits_for_what_the_stop_undoes():
 def test_a_stop_concerns_the_call_at_work_unless_that_undoes_another():
     calls = DeviceCalls(made(*LIGHT))
     for phrase, is_given_up in (("light on", True), ("go dark", False)):
-        make(calls, phrase)
+        calls.said(phrase)
+        assert begun(calls) == [phrase]
         is_stopped = calls.stop_check(made(*LIGHT).get(phrase))
         assert not is_stopped()
         calls.stopped()

@@ -29,14 +29,15 @@ PLAYER |= {"type": "std_msgs/Bool", "arguments": "{data: true}", "on_stop": ""}
 class Target:
     """A device, which may hang."""
 
-    def __init__(self, phrase, may_end=None):
-        self.phrase, self.may_end, self.called = phrase, may_end, threading.Event()
+    def __init__(self, given, may_end=None):
+        self.config, self.may_end = DeviceCallConfig(**given), may_end
+        self.called = threading.Event()
 
     def call(self, is_stopped=None):
         self.called.set()
         if self.may_end is not None:
             self.may_end.wait(60.0)
-        return CallResult(SimpleNamespace(phrase=self.phrase), True, "")
+        return CallResult(self.config, True, "")
 
 
 def test_what_a_stop_undoes_does_not_wait_for_a_call_that_hangs(monkeypatch):
@@ -45,7 +46,7 @@ def test_what_a_stop_undoes_does_not_wait_for_a_call_that_hangs(monkeypatch):
     node = object.__new__(DevicesNode)
     node._known = SimpleNamespace(publish_status=lambda: None)
     node._calls = DeviceCalls(devices_config({"calls": list(LIGHT)}))
-    light, dark = Target("light on", may_end), Target("go dark")
+    light, dark = Target(LIGHT[0], may_end), Target(LIGHT[1])
     node._targets = {"light on": light, "go dark": dark}
     results = []
     node._report = lambda result: results.append(result.call.phrase)
@@ -92,6 +93,7 @@ def test_a_stop_cancels_an_action_at_work(topics):
     goals = topics["/vacuum/goal"].sent
     result = target.call(lambda: bool(goals))  # the stop comes as soon as the goal is out
     assert (result.is_done, result.words) == (False, "a stop came; cancelled")
+    assert result.may_have_effect
     assert [goal_id.id for goal_id in topics["/vacuum/cancel"].sent] == [goals[0].goal_id.id]
 
 
@@ -101,7 +103,8 @@ def test_after_a_stop_nothing_goes_out(topics, given, listeners):
     target = make_target(DeviceCallConfig(**given))
     for topic in topics.values():
         topic.listeners = listeners
-    assert target.call(lambda: True).words == DROPPED
+    result = target.call(lambda: True)
+    assert (result.words, result.may_have_effect) == (DROPPED, False)
     assert not any(topic.sent for topic in topics.values())
 
 

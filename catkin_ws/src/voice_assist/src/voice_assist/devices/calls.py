@@ -22,6 +22,7 @@ class CallResult:
     call: DeviceCallConfig
     is_done: bool
     words: str
+    may_have_effect: bool = True  # False: the device refused it, or it was never sent
 
 
 def result_words(phrase: str, is_done: bool, words: str) -> str:
@@ -33,7 +34,7 @@ class DeviceCalls:
     """Calls that wait to be made; commands and stops come from several threads.
 
     Two threads make them, so that what a stop undoes waits for no call at work: one takes `next`,
-    the other `next_undoing`.
+    the other `next_undoing`. Each tells `ended` what came of the call that it took.
 
     Args:
         config: The allow-list.
@@ -45,7 +46,10 @@ class DeviceCalls:
         self._undoing: deque[DeviceCallConfig] = deque()
         self._is_undoing = False  # the call that `next_undoing` gave last is at work
         self._is_stopped = False  # a stop came after the call that `next` gave last
-        self._undone_by: dict[str, str] = {}  # phrase of a call that was made: of what undoes it
+        # Phrases of calls to that of what undoes each, or "": calls at work, and those that had an
+        # effect, or may have had one, since they were last undone.
+        self._at_work: dict[str, str] = {}
+        self._undone_by: dict[str, str] = {}
 
     def said(self, phrase: str) -> CallResult | None:
         """Let the call of a command wait, if it has one; gives why it is refused, else None."""
@@ -61,7 +65,7 @@ class DeviceCalls:
         return None
 
     def next(self, timeout: float) -> DeviceCallConfig | None:
-        """The call to be made now, which counts as made; None: none came in time.
+        """The call to be made now; None: none came in time.
 
         While a stop's calls are made, none is given.
 
@@ -94,22 +98,39 @@ class DeviceCalls:
         return bool(self._waiting) and not (self._undoing or self._is_undoing)
 
     def _begin(self, call: DeviceCallConfig) -> DeviceCallConfig:
-        self._undone_by = {p: u for p, u in self._undone_by.items() if u != call.phrase}
-        # From its beginning on: whether a call that failed had an effect is not known.
-        if call.on_stop:
-            self._undone_by[call.phrase] = call.on_stop
+        self._at_work[call.phrase] = call.on_stop
         return call
+
+    def ended(self, result: CallResult) -> None:
+        """Take in what came of a call that was given to be made.
+
+        One that was done undoes the calls that name it. One that may have had an effect has to be
+        undone from now on.
+        """
+        call = result.call
+        with self._changed:
+            has_effect = self._at_work.pop(call.phrase, None) is not None and result.may_have_effect
+            if result.is_done:
+                for calls in (self._undone_by, self._at_work):
+                    for phrase in [p for p, undo in calls.items() if undo == call.phrase]:
+                        del calls[phrase]
+            if call.on_stop and (result.is_done or has_effect):
+                self._undone_by.pop(call.phrase, None)  # it is the newest now
+                self._undone_by[call.phrase] = call.on_stop
 
     def stopped(self) -> tuple[CallResult, ...]:
         """Drop what waits, and let what undoes the calls that were made be made.
 
-        Several messages may report one stop. So what undoes a call stays until it is made itself.
+        A call at work may have an effect already. Several messages may report one stop, so what is
+        at work is not begun again; what failed is, by the next stop.
 
         Returns:
             What is dropped.
         """
         with self._changed:
-            undoing = list(dict.fromkeys(reversed(self._undone_by.values())))  # newest first
+            undos = [*self._undone_by.values(), *self._at_work.values()]
+            newest_first = dict.fromkeys(reversed(undos))
+            undoing = [undo for undo in newest_first if undo and undo not in self._at_work]
             dropped = [call for call in self._waiting if call.phrase not in undoing]
             self._waiting.clear()
             self._undoing = deque(call for p in undoing if (call := self._config.get(p)))

@@ -78,9 +78,11 @@ class DevicesNode:
 
     def _make(self, call: DeviceCallConfig, is_stopped: Callable[[], bool]) -> None:
         try:
-            self._report(self._targets[call.phrase].call(is_stopped))
+            result = self._targets[call.phrase].call(is_stopped)
         except Exception as error:  # top of a call: the person must hear of it
-            self._report(CallResult(call, False, repr(error)))
+            result = CallResult(call, False, repr(error))
+        self._calls.ended(result)
+        self._report(result)
 
     def _on_utterance(self, message: Utterance) -> None:
         if (refused := self._calls.said(message.command)) is not None:

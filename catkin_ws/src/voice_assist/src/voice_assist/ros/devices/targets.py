@@ -22,6 +22,7 @@ from voice_assist.ros.service_calls import call_service, never
 
 ANSWER_FIELDS: Final = ("success", "accepted")  # of a response that may say no
 MAY_COME: Final = "; it may still be carried out"  # a request that was sent and not answered
+NOT_BEGUN: Final = (GoalStatus.REJECTED, GoalStatus.RECALLED)  # goals without any effect
 STEP: Final = 0.05  # [s] between looks whether a stop came
 
 
@@ -71,9 +72,10 @@ class _Service:
         )
         if (response := reply.response) is None:
             trouble = reply.trouble + (MAY_COME if reply.may_take_effect else "")
-            return CallResult(config, False, trouble)
+            return CallResult(config, False, trouble, reply.may_take_effect)
         says = [getattr(response, name) for name in ANSWER_FIELDS if hasattr(response, name)]
-        return CallResult(config, all(says), str(getattr(response, "message", "")))
+        words = str(getattr(response, "message", ""))
+        return CallResult(config, all(says), words, may_have_effect=all(says))
 
 
 class _Topic:
@@ -86,7 +88,7 @@ class _Topic:
     def call(self, is_stopped: Callable[[], bool] = never) -> CallResult:
         if not _wait(self._topic, self._config.within, is_stopped):
             nobody = f"nobody listens to {self._config.target}"
-            return CallResult(self._config, False, DROPPED if is_stopped() else nobody)
+            return CallResult(self._config, False, DROPPED if is_stopped() else nobody, False)
         self._topic.publish(self._message)
         return CallResult(self._config, True, "sent")
 
@@ -113,7 +115,7 @@ class _Action:
         end = time.monotonic() + self._config.within
         if not _wait(self._topic, self._config.within, is_stopped):
             nobody = f"nobody serves {self._config.target}"
-            return CallResult(self._config, False, DROPPED if is_stopped() else nobody)
+            return CallResult(self._config, False, DROPPED if is_stopped() else nobody, False)
         goal_id = self._goal.goal_id = self._new_id()
         self._goal.header.stamp = goal_id.stamp
         self._topic.publish(self._goal)
@@ -123,8 +125,9 @@ class _Action:
             except Empty:
                 continue
             if result.status.goal_id.id == goal_id.id:
-                is_done = result.status.status == GoalStatus.SUCCEEDED
-                return CallResult(self._config, is_done, result.status.text)
+                status, words = result.status.status, result.status.text
+                is_done = status == GoalStatus.SUCCEEDED
+                return CallResult(self._config, is_done, words, status not in NOT_BEGUN)
         self._cancel.publish(goal_id)
         why = "a stop came" if is_stopped() else f"no result within {self._config.within:g} s"
         return CallResult(self._config, False, f"{why}; cancelled")
