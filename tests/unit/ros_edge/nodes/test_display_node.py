@@ -13,6 +13,7 @@ from xml.parsers.expat import ExpatError
 import pytest
 import rospy
 
+from rst_control.msg import ControllerState
 from tests.unit.ros_edge.test_caller import Service
 from tests.unit.voice_assist.display.support.theatre import STOPPED, Clock
 from typed_config import load_file, load_yaml
@@ -136,6 +137,27 @@ def test_a_display_that_starts_late_says_how_long_has_been_recorded(node):
     node._theatre.see_recording("")
     node._on_health(SimpleNamespace(values=pairs))
     assert node._theatre.snapshot().recording.since == pytest.approx(3725.0, abs=60.0)
+
+
+@pytest.mark.parametrize("words", ["tension.source is none", ""])
+def test_the_controllers_diagnostics_say_whether_the_tension_counts(node, words):
+    node._on_state(ControllerState(state="moving"))
+    for value in ("another", words):
+        pair = SimpleNamespace(key="tension not trusted", value=value)
+        node._on_health(SimpleNamespace(values=[pair]))
+    node._on_health(SimpleNamespace(values=[]))  # of another part: it says nothing of the tension
+    assert node._theatre.snapshot().tissue.invalid_reason == words
+
+
+@pytest.mark.parametrize(("later", "age"), [(5.0, 1.0), (5.02, 0.0)])
+def test_a_state_of_a_loop_that_hangs_gets_old(node, later, age):
+    node._theatre = Theatre(0.5, node.clock, node.clock)
+    for stamp in (5.0, later):
+        node.clock.now += 1.0
+        message = ControllerState(state="moving")
+        message.header.stamp = rospy.Time.from_sec(stamp)
+        node._on_state(message)
+    assert node._theatre.snapshot().robot.age == age
 
 
 class Server:

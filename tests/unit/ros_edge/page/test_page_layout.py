@@ -25,7 +25,7 @@ SCREENS = ((1920, 1080), (390, 844))  # [pixels]: in the theatre, and a telephon
 TOO_WIDE = """document.documentElement.scrollWidth <= innerWidth ? [] :
     [...document.querySelectorAll('*')].filter((e) =>
         e.getBoundingClientRect().right > innerWidth + 1).map((e) => e.id || e.tagName)"""
-CUT_OFF = """[...document.querySelectorAll('h1, p, span, strong, button')].filter((e) =>
+CUT_OFF = """[...document.querySelectorAll('h1, p, span, strong, small, button')].filter((e) =>
     e.offsetParent && getComputedStyle(e).display !== 'inline'
     && getComputedStyle(e).textOverflow !== 'ellipsis' && e.scrollWidth > e.clientWidth + 1
 ).map((e) => e.id || e.textContent)"""
@@ -61,7 +61,8 @@ def busy_theatre(robot, alarm=None):
         theatre.answer_within = 600.0
         why = 'heard the words of "pull two millimetres more", but too unsurely to be taken'
         theatre.see_utterance(UtterancePart(" Pull two millimetres.", "", why, ""), "pull more")
-        theatre.see_alarm(replace(alarm, others=("recording: recorder silent for 1.2 s",)))
+        others = ("recording: recorder silent for 1.2 s", "pedal: unplugged, looked for again") * 2
+        theatre.see_alarm(replace(alarm, is_acknowledged=True, others=others))
     return theatre
 
 

@@ -34,7 +34,7 @@ UNSURE = UtterancePart(" Pull more.", "", "nearly sure", "recognizer")
 
 
 def test_a_question_is_answered_after_the_token():
-    """One answer is "no"."""
+    """One answer is "no". A second press, as of a double tap, is none."""
     theatre, acts = make_theatre(), RecordedActs()
 
     async def use(browser, server):
@@ -49,14 +49,17 @@ def test_a_question_is_answered_after_the_token():
         assert acts.asked == []
         for token in ("WRONGONE", TOKEN):
             await browser.evaluate(enter(token))
-            await browser.evaluate(click("yes"))
+            await browser.evaluate(f"{click('yes')}, {click('yes')}, {click('no')}")
             wanted = "done" if token == TOKEN else "the token is wrong"
             await browser.until(f"{text('act-words')}.includes({wanted!r})")
+        await browser.evaluate(click("no"))  # it was answered
+        theatre.see_utterance(UNSURE)  # the next decision ends the question
+        await browser.until("document.getElementById('question').hidden")
+        theatre.see_utterance(UNSURE, "pull more")
+        await browser.until("!document.getElementById('question').hidden")
         await browser.evaluate(click("no"))
         while len(acts.asked) < 2:
             await asyncio.sleep(0.01)
-        theatre.see_utterance(UNSURE)  # the next decision ends the question
-        await browser.until("document.getElementById('question').hidden")
 
     use_page(use, theatre, acts=acts)
     assert acts.asked == [("answer", "pull more", True), ("answer", "pull more", False)]

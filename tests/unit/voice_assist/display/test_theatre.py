@@ -48,6 +48,21 @@ def test_each_part_ages_by_itself_and_a_voice_without_sound_has_no_age(theatre, 
     assert (hearing.age, hearing.trouble) == (float("inf"), "no sound has come yet")
 
 
+@pytest.mark.parametrize(
+    ("stamps", "age"), [((7.0, 7.0), 1.0), ((7.0, 7.02), 0.0), ((7.0, 5.0), 0.0), ((0.0, 0.0), 0.0)]
+)
+def test_what_comes_again_with_the_stamp_it_had_is_no_news(clock, stamps, age):
+    """A loop that hangs is reported on and on; a camera's last picture may be sent again."""
+    theatre = Theatre(0.5, clock, clock)
+    for stamp in stamps:
+        clock.now += 1.0
+        theatre.see_robot(PULLING, TISSUE, stamp)
+        theatre.see_picture("image/png", b"one", stamp)
+    snapshot = theatre.snapshot()
+    assert (snapshot.robot.age, snapshot.tissue.age, snapshot.picture.age) == (age,) * 3
+    assert snapshot.steady == clock.now
+
+
 def test_the_level_is_the_loudest_since_the_last_snapshot(theatre):
     for levels, loudest in (((-50.0, -12.0, -40.0), -12.0), ((), QUIET), ((-44.0,), -44.0)):
         for level in levels:
@@ -92,6 +107,22 @@ def test_limits_and_why_the_tension_is_invalid_are_shown_with_it(theatre):
     tissue = theatre.snapshot().tissue
     assert (tissue.tension_limit, tissue.rcm_limit) == (2.4, 1e-3)
     assert tissue.invalid_reason == "stuck"
+
+
+@pytest.mark.parametrize(
+    ("robot", "controller", "shown"),
+    [
+        ("", "", ""),
+        ("", "tension.source is none", "tension.source is none"),
+        ("stuck", "", "stuck"),
+    ],
+)
+def test_the_tension_is_valid_where_neither_robot_nor_controller_objects(
+    theatre, robot, controller, shown
+):
+    theatre.see_tension_invalid(robot)
+    theatre.see_tension_distrust(controller)
+    assert theatre.snapshot().tissue.invalid_reason == shown
 
 
 def test_a_recording_counts_from_its_begin_and_not_from_when_it_became_known(theatre, clock):

@@ -29,7 +29,7 @@ class TissuePart:
     tension_target: float | None  # [N]; None: none is set
     rcm_error: float | None  # [m]
     insertion: float | None  # [m] of the tip in the trocar; negative: outside
-    invalid_reason: str = ""  # why the tension counts as invalid
+    invalid_reason: str = ""  # why the tension is not to be relied on
     tension_limit: float | None = None  # [N]
     rcm_limit: float | None = None  # [m]
     age: float = 0.0  # [s]
@@ -106,6 +106,7 @@ class Snapshot:
     """All parts; None: nothing has been heard of it yet."""
 
     time: float  # [s] since 1970
+    steady: float  # [s] the same by a clock that nobody sets: how late a viewer gets it shows by it
     old_after: float  # [s]
     robot: RobotPart | None = None
     tissue: TissuePart | None = None

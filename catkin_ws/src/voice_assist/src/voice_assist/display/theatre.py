@@ -33,9 +33,17 @@ T = TypeVar("T")
 class _News(Generic[T]):
     value: T
     at: float  # [s] steady clock
+    stamp: float = 0.0  # [s] by the clock of who sent it; 0: it does not say
 
     def age(self, now: float) -> float:
         return max(0.0, now - self.at)
+
+
+def _stamped(before: _News[T] | None, value: T, now: float, stamp: float) -> _News[T]:
+    """News of who stamps them: with the stamp of those before, they are as old as those."""
+    if before is not None and stamp == before.stamp != 0.0:
+        now = before.at
+    return _News(value, now, stamp)
 
 
 @dataclass(frozen=True)
@@ -75,23 +83,34 @@ class Theatre:
         self._free: int | None = None
         self._picture: _News[Picture] | None = None
         self._picture_period = 0.0
-        self._invalid_reason = ""
+        self._invalid_reason = self._distrust = ""
         self.limits = Limits()
         self.answer_within = 0.0  # [s] after a question in which it can be answered
         self.rules: Sequence[WordRule] = ()
 
     # --- what comes in
 
-    def see_robot(self, robot: RobotPart, tissue: TissuePart) -> None:
-        """A state of the controller."""
+    def see_robot(self, robot: RobotPart, tissue: TissuePart, stamp: float = 0.0) -> None:
+        """A state of the controller.
+
+        Args:
+            robot: What it does.
+            tissue: What it measures.
+            stamp: When its loop was there, by its clock [s]; one that stands still is no news of
+                it. 0: it does not say.
+        """
         with self._lock:
             now = self._clock()
-            self._robot = _News((robot, tissue), now)
+            self._robot = _stamped(self._robot, (robot, tissue), now, stamp)
             self._phase.report(f"{robot.command}/{robot.phase}", robot.progress, now)
 
     def see_tension_invalid(self, reason: str) -> None:
-        """Why the tension counts as invalid; empty: it is valid."""
+        """Why the robot says that the tension is invalid; empty: it is valid."""
         self._invalid_reason = reason
+
+    def see_tension_distrust(self, reason: str) -> None:
+        """Why the controller does not rely on the tension, or has none; empty: it does."""
+        self._distrust = reason
 
     def see_sound(self, level: float) -> None:
         """The level of a block of sound [dB of full scale]."""
@@ -170,11 +189,13 @@ class Theatre:
         Args:
             kind: image/png or image/jpeg.
             data: The file.
-            stamp: When it was taken, by the camera's clock [s]; 0: the camera does not say.
+            stamp: When it was taken, by the camera's clock [s]; one that stands still makes it no
+                newer. 0: the camera does not say.
         """
         with self._lock:
             number = 1 if self._picture is None else self._picture.value.number + 1
-            self._picture = _News(Picture(number, kind, data, stamp), self._clock())
+            picture = Picture(number, kind, data, stamp)
+            self._picture = _stamped(self._picture, picture, self._clock(), stamp)
 
     def see_picture_period(self, period: float) -> None:
         """How often a picture can come [s]."""
@@ -194,6 +215,7 @@ class Theatre:
             now = self._clock()
             return Snapshot(
                 time=self._wall(),
+                steady=now,
                 old_after=self._old_after,
                 robot=self._robot_part(now),
                 tissue=self._tissue_part(now),
@@ -216,7 +238,7 @@ class Theatre:
             return None
         return replace(
             self._robot.value[1],
-            invalid_reason=self._invalid_reason,
+            invalid_reason=self._invalid_reason or self._distrust,
             tension_limit=self.limits.tension,
             rcm_limit=self.limits.rcm,
             age=self._robot.age(now),

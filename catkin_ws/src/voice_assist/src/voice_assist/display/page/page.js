@@ -3,14 +3,20 @@
 "use strict";
 
 const RETRY = 1000; // [ms] before a connection that was refused is tried again
-const SILENT = 3000; // [ms] without an event after which the connection is made anew
+const SILENT = 3000; // [ms] without news, or that they are late, after which the connection is made anew
+const DRIFT = 2e-4; // [-] by which two clocks run apart, at most
 const STOP_WITHIN = 4000; // [ms] for a stop to be answered
 const ACT_WITHIN = 9000; // [ms] for any other act; the server gives up a second later
 const PICKED_FOR = 6000; // [ms] that a click into the picture stays marked
 const MANY = 10; // words, above which they are drawn smaller
 const QUIET = -60, LOUD = -3; // [dB] ends of the level bar, and what clips
 const SHAPES = { standby: "circle", active: "disc", moving: "arrow", stopping: "bars", halted: "square", faulted: "warning" };
-const NAMES = { standby: "Standby", active: "Ready", moving: "Moving", stopping: "Stopping", halted: "Halted", faulted: "Fault" };
+const NAMES = {
+  standby: "Standby", active: "Ready", moving: "Moving", stopping: "Stopping", halted: "Halted", faulted: "Fault", // states
+  stop: "Stop", fault: "Fault", refusal: "Refusal", low: "low", medium: "medium", high: "high", // alarms
+};
+const ALARM_SHAPES = { stop: "square", fault: "warning", refusal: "cross" };
+const PRIORITIES = ["", "low", "medium", "high"];
 const PHASES = {
   reach: "Reaching the tissue", close: "Closing the jaws", pull: "Pulling", step: "One step", open: "Opening the jaws", ease: "Easing off",
   approach: "Approaching the trocar", align: "Aligning the tool", insert: "Inserting", withdraw: "Withdrawing", look: "Moving the camera",
@@ -24,22 +30,31 @@ const shape = (id, name) => byId(id).setAttribute("href", `#${name}`);
 const mm = (metres, digits) => `${(1000 * metres).toFixed(digits)} mm`;
 
 let news = null; // the newest snapshot
-let arrived = -Infinity; // [ms] when it came
+let arrived = -Infinity; // [ms] when it would have come without delay on the way
+let fastest = Infinity; // [ms] from the server's clock to this one's, with the least delay since the connection was made
+let heard = 0; // [ms] when it came
 let taken = -Infinity; // [ms] when the picture that is shown came from the camera
 let source = null;
 let token = "";
-let heardSince = performance.now(); // [ms] of the last try or event
+let tried = performance.now(); // [ms] when a connection was tried last
 
 // --- news
 
 function connect() {
   if (source) source.close();
   if (document.hidden) return; // a browser has six connections to a server, and a stop needs one
-  heardSince = performance.now();
+  tried = performance.now();
   source = new EventSource("/events");
+  source.onopen = () => { // perhaps of another server, whose clock and pictures begin anew
+    fastest = Infinity;
+    delete byId("picture").dataset.number;
+  };
   source.onmessage = (event) => {
+    const now = performance.now();
     news = JSON.parse(event.data);
-    arrived = heardSince = performance.now();
+    fastest = Math.min(now - 1000 * news.steady, fastest + DRIFT * (now - heard));
+    heard = now;
+    arrived = fastest + 1000 * news.steady; // what comes late is as old as it is late
     draw();
   };
   source.onerror = () => { // a browser tries again by itself, unless it was refused
@@ -52,22 +67,25 @@ function draw() {
   const limit = news ? news.old_after : 0.5;
   const isLost = since > limit;
   show("lost", isLost);
-  document.title = isLost ? t`No connection` : title();
+  document.title = isLost ? t`No connection` : title(since, limit);
   if (isLost) say("lost-words", news ? t` for ${since.toFixed(0)} s: nothing below is as it is now` : t` yet`);
   tell("lost", isLost ? t`No connection to the robot's display` : news ? t`Connected` : "");
-  if (!news) return;
-  drawRobot(since, limit);
-  drawHearing(since, limit);
-  drawTissue(since, limit);
-  drawPicture();
-  drawAlarm();
-  drawFoot(since, limit);
+  if (news) {
+    drawRobot(since, limit);
+    drawHearing(since, limit);
+    drawTissue(since, limit);
+    drawPicture();
+    drawAlarm();
+    drawFoot(since, limit);
+  }
+  if (unsaid.length) say("announce", unsaid.splice(0).join(". "));
 }
+
+const ageOf = (part, since) => part && part.age !== null ? part.age + since : Infinity; // [s]
 
 // Marks a part as old, in words; returns whether it can be drawn.
 function mark(id, part, since, limit, what) {
-  const age = part ? (part.age === null ? Infinity : part.age + since) : Infinity;
-  const isOld = age > limit;
+  const age = ageOf(part, since), isOld = age > limit;
   const words = age === Infinity ? t`No news of the ${what}` : t`Old: ${what} silent for ${age < 10 ? age.toFixed(1) : age.toFixed(0)} s`;
   byId(id).classList.toggle("is-old", isOld);
   byId(id).dataset.old = isOld ? words : "";
@@ -75,9 +93,9 @@ function mark(id, part, since, limit, what) {
   return Boolean(part);
 }
 
-function title() {
+function title(since, limit) {
   const robot = news.robot;
-  return robot ? `${word(NAMES[robot.state] || robot.state)} - ${t`Theatre`}` : t`Theatre`;
+  return `${ageOf(robot, since) > limit ? t`No news` : word(NAMES[robot.state] || robot.state)} - ${t`Theatre`}`;
 }
 
 function drawRobot(since, limit) {
@@ -122,7 +140,7 @@ function drawHearing(since, limit) {
 function drawQuestion(question) {
   show("question", Boolean(question));
   show("partial", !question);
-  if (!question) return;
+  if (!question) { setAnswering(false); return; }
   byId("question").dataset.command = question.command;
   say("question-words", t`${question.command}? Yes within ${Math.ceil(question.remaining)} s`);
   tell("question", t`${question.command}? Say or press yes`);
@@ -149,9 +167,9 @@ function drawTissue(since, limit) {
   const tissue = news.tissue;
   if (!mark("tissue", tissue, since, limit, t`measurements`)) return;
   const top = 1.1 * (tissue.tension_limit || 2);
-  const tension = tissue.tension;
+  const tension = tissue.invalid_reason ? null : tissue.tension;
   say("tension", tension === null ? t`no value` : `${tension.toFixed(2)} N`);
-  bar("tension-bar", (tension || 0) / top, (tension || 0).toFixed(2), `${(tension || 0).toFixed(2)} newton`);
+  bar("tension-bar", (tension || 0) / top, (tension || 0).toFixed(2), tension === null ? t`no value` : `${tension.toFixed(2)} newton`);
   byId("tension-bar").setAttribute("aria-valuemax", top.toFixed(2));
   byId("tension-bar").parentElement.classList.toggle("is-over", Boolean(tissue.tension_limit) && tension > tissue.tension_limit);
   place("target-mark", tissue.tension_target, top);
@@ -169,16 +187,19 @@ function drawTissue(since, limit) {
 }
 
 function drawPicture() {
-  const picture = news.picture, image = byId("picture");
+  const picture = news.picture, image = byId("picture"), frame = byId("picture-frame");
   if (picture && image.dataset.number !== String(picture.number) && !image.dataset.loading) {
     image.dataset.loading = "yes"; // one at a time
     const done = () => { delete image.dataset.loading; };
     loadPicture(image, picture, arrived - 1000 * picture.age).then(done, () => setTimeout(done, RETRY));
   }
-  show("pick", Boolean(picture) && !image.hidden);
-  if (!picture || image.hidden) { say("picture-words", t`No picture of the scene`); return; }
-  const age = pictureAge().toFixed(1);
-  say("picture-words", isPictureOld() ? t`OLD picture, ${age} s ago` : t`Picture, ${age} s ago`);
+  if (!picture) image.hidden = true; // it was another server's
+  const isShown = !image.hidden, isOld = isShown && isPictureOld();
+  const age = pictureAge().toFixed(1), words = isOld ? t`OLD picture, ${age} s ago` : t`Picture, ${age} s ago`;
+  show("pick", isShown);
+  say("picture-words", isShown ? words : t`No picture of the scene`);
+  frame.classList.toggle("is-old", isOld);
+  frame.dataset.old = isOld ? words : "";
 }
 
 // With its stamp, by which a click names the picture that it was made into.
@@ -205,19 +226,29 @@ function drawAlarm() {
     say("alarm-cause", t`No alarms are watched`);
     say("alarm-next", t`Start the alarm node, or watch the log`);
     say("alarm-others", "");
-    byId("alarm").classList.remove("is-acknowledged");
-    byId("alarm").dataset.kind = "fault";
-    byId("alarm").dataset.priority = "2";
+    drawHeadline({ kind: "fault", priority: 2, is_acknowledged: false });
   } else if (isShown) {
-    byId("alarm").dataset.kind = alarm.kind;
-    byId("alarm").dataset.priority = alarm.priority;
-    byId("alarm").classList.toggle("is-acknowledged", alarm.is_acknowledged);
+    drawHeadline(alarm);
     say("alarm-cause", alarm.cause);
     say("alarm-next", alarm.next_step ? t`Next: ${alarm.next_step}` : "");
     say("alarm-others", alarm.others.length ? t`also: ${alarm.others.join("; ")}` : "");
   }
-  const words = alarm && isShown ? `${alarm.cause}. ${alarm.next_step}` : "";
+  const words = alarm && isShown ? `${headline(alarm)}: ${alarm.cause}. ${alarm.next_step}` : "";
   if (words !== said.alarm) { said.alarm = words; say("alert", words); }
+  tell("acknowledged", alarm && isShown && alarm.is_acknowledged ? t`acknowledged` : "");
+}
+
+// Kind and priority, as the terminal has them.
+const headline = ({ kind, priority }) =>
+  [word(NAMES[kind]), "!".repeat(priority), word(PRIORITIES[priority])].filter(Boolean).join(" ");
+
+function drawHeadline(alarm) {
+  const band = byId("alarm");
+  Object.assign(band.dataset, { kind: alarm.kind, priority: alarm.priority });
+  band.classList.toggle("is-acknowledged", alarm.is_acknowledged);
+  shape("alarm-shape", ALARM_SHAPES[alarm.kind]);
+  say("alarm-kind", headline(alarm));
+  say("alarm-acknowledged", alarm.is_acknowledged ? t`acknowledged` : "");
 }
 
 function drawFoot(since, limit) {
@@ -253,12 +284,13 @@ function place(id, value, top) {
 }
 
 // Tells screen readers each change of a part once; the first news of all parts say nothing.
-const said = { alarm: "" };
+// What one drawing finds is said at once at its end: of several texts in a row they read the last.
+const said = { alarm: "" }, unsaid = [];
 function tell(part, words, isFirstQuiet = false) {
   if (said[part] === words) return;
   const isFirst = said[part] === undefined;
   said[part] = words;
-  if (words && !(isFirst && isFirstQuiet)) say("announce", words);
+  if (words && !(isFirst && isFirstQuiet)) unsaid.push(words);
 }
 
 // --- acts
@@ -345,10 +377,19 @@ byId("choose").addEventListener("click", () => {
 });
 byId("theme").addEventListener("change", (event) => theme(event.target.value));
 
+// A question takes one answer; it can be given again only where it was not taken.
+function setAnswering(isAnswering) {
+  for (const answer of ["yes", "no"]) byId(answer).disabled = isAnswering;
+}
 for (const answer of ["yes", "no"]) {
   byId(answer).addEventListener("click", () => {
     const command = byId("question").dataset.command;
-    if (!needToken()) act("answer", { command, yes: answer === "yes" }, actWords);
+    if (needToken()) return;
+    setAnswering(true);
+    act("answer", { command, yes: answer === "yes" }, (isDone, text) => {
+      if (!isDone) setAnswering(false);
+      actWords(isDone, text);
+    });
   });
 }
 
@@ -397,6 +438,6 @@ document.addEventListener("visibilitychange", connect);
 translate().then(() => { if (!presses) stopRest(); });
 connect();
 setInterval(() => {
-  if (performance.now() - heardSince > SILENT) connect();
+  if (performance.now() - Math.max(tried, arrived) > SILENT) connect();
   if (performance.now() - arrived > 150) draw(); // what was drawn last gets older
 }, 100);

@@ -95,7 +95,8 @@ class DisplayNode:
             self._commands = given
 
     def _on_state(self, message: ControllerState) -> None:
-        self._theatre.see_robot(*messages.robot_parts(message))
+        stamp = message.header.stamp.to_sec()
+        self._theatre.see_robot(*messages.robot_parts(message), stamp)
 
     def _on_invalid(self, message: String) -> None:
         self._theatre.see_tension_invalid(message.data)
@@ -137,6 +138,8 @@ class DisplayNode:
             microphone = values.get("microphone", "") if source == "microphone" else source
             trouble = status.message if is_bad(status) else ""
             self._theatre.see_voice_health(microphone, trouble)
+        if "tension not trusted" in values:
+            self._theatre.see_tension_distrust(values["tension not trusted"])
         if "free space [B]" in values:
             self._theatre.see_free_space(int(values["free space [B]"]) or None)
         if "recorded for [s]" in values:
