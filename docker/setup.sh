@@ -209,6 +209,7 @@ prepare() {
     mkdir -p .setup
     under=$(underlay)
     for root in $(printf '%s' "$under" | tr ':' ' '); do
+        case "$root" in /*) ;; *) fail "UNDERLAY names $root, allowed: absolute paths" ;; esac
         [ -e "$root/.catkin" ] || fail "UNDERLAY names $root, which is no devel or install space of catkin: it has no .catkin"
     done
     elsewhere=$(found_elsewhere)

@@ -109,6 +109,9 @@ def copy(tmp_path):
     (tmp_path / ".setup").mkdir()
     for name in ("system", "python", "workspace", "dev-system", "dev-python", "dev", "bench"):
         (tmp_path / ".setup" / name).touch()
+    installed_in(tmp_path, tmp_path)
+    (tmp_path / "catkin_ws/devel").mkdir(parents=True)
+    (tmp_path / "catkin_ws/devel/setup.sh").touch()
     return tmp_path
 
 
@@ -127,7 +130,7 @@ LONG = "#!/bin/sh\n'''exec' {}/.venv/bin/python3 \"$0\" \"$@\"\n' '''\n"  # over
 def installed_in(copy, folder, text=SHORT):
     """Leave the program pip of an environment that was made in a folder."""
     pip = copy / ".venv/bin/pip"
-    pip.parent.mkdir(parents=True)
+    pip.parent.mkdir(parents=True, exist_ok=True)
     pip.write_text(text.format(folder), encoding="utf-8")
 
 
@@ -144,14 +147,19 @@ OTHERS = ["/elsewhere", "/backup{}", "{}/backup", "{}2"]  # beside the folder's 
 def test_a_folder_that_was_set_up_needs_nothing(copy):
     assert steps(copy) == []
     built_in(copy, copy)
-    installed_in(copy, copy)
     assert steps(copy) == steps(copy, ".setup/bench") == []
+
+
+def test_what_was_removed_is_made_again(copy):
+    shutil.rmtree(copy / "catkin_ws/devel")
+    assert steps(copy) == [WORKSPACE]
+    shutil.rmtree(copy / ".venv")
+    assert steps(copy) == [PYTHON, WORKSPACE]
 
 
 @pytest.mark.parametrize("other", OTHERS)
 def test_the_build_of_another_folder_is_made_anew(copy, other):
     built_in(copy, other.format(copy))
-    installed_in(copy, copy)
     assert steps(copy) == [WORKSPACE]
 
 
@@ -173,6 +181,7 @@ def test_in_a_long_path_an_environment_is_its_own_too(copy):
 def test_an_environment_that_the_user_linked_stays(copy, tmp_path_factory):
     shared = tmp_path_factory.mktemp("shared")
     installed_in(shared, "/elsewhere")
+    shutil.rmtree(copy / ".venv")
     (copy / ".venv").symlink_to(shared / ".venv")
     assert steps(copy) == []
 
@@ -203,6 +212,7 @@ cp "$0" .venv/bin/python
 @pytest.fixture
 def packages(copy):
     """Takes the step of Python's packages, with a Python that installs nothing."""
+    shutil.rmtree(copy / ".venv")
     root = copy / "root"
     (root / "usr/bin").mkdir(parents=True)
     (root / "etc").mkdir()

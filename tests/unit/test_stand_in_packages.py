@@ -66,6 +66,18 @@ def test_other_packages_of_a_workspace_change_nothing(space):
     assert elsewhere(space("other", "trajectory_msgs", "control_toolbox")) == installed()
 
 
+def test_a_path_that_depends_on_where_it_is_read_is_refused():
+    done = subprocess.run(
+        [str(SETUP), "workspace"],
+        env={**os.environ, "UNDERLAY": "catkin_ws/devel"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert "UNDERLAY names catkin_ws/devel, allowed: absolute paths" in done.stderr
+
+
 def test_a_folder_that_is_no_catkin_space_is_refused(tmp_path):
     environment = {**os.environ, "UNDERLAY": str(tmp_path)}
     done = subprocess.run(
