@@ -93,6 +93,7 @@ def within(name, old, new):
     return TEXT[:at] + new + TEXT[at + len(old) :]
 
 
+MIMIC = '<mimic joint="joint_finger_left" multiplier="-1" />'
 CASES = [
     ("not text", None, "text of at most"),
     ("empty", "", "no XML"),
@@ -131,6 +132,16 @@ CASES = [
     ("grams", within("forearm_link", 'value="0.9302"', 'value="930.2"'), "up to 100 kg"),
     ("no mass", within("forearm_link", "<mass", "<weight"), "mass is given 0 times"),
     ("inertia", within("forearm_link", 'ixx="0.008147"', 'ixx="-0.008147"'), "each above 0"),
+    ("bent zero", within("joint_pitch", 'rpy="-1.5707963267948966', 'rpy="-1.2'), "tool_tip at "),
+    ("tip aside", within("joint_tool_tip", 'xyz="0 ', 'xyz="0.01 '), "mm beside its z axis"),
+    ("tip behind", within("joint_tool_tip", "-0.015", "0.015"), "and above 280.000 mm along it"),
+    ("z forward", within("joint_tool_tip", 'rpy="0', 'rpy="1.570796'), "-y of tool_tip in"),
+    ("opens aside", within("joint_tool_tip", 'rpy="0 0', 'rpy="0 1.5'), "z of tool_tip in"),
+    ("one axis", within("joint_finger_right", 'rpy="0 1', 'rpy="0 -1'), "allowed: (0, 0, -1)"),
+    ("one jaw", within("joint_finger_right", "revolute", "fixed"), "allowed: revolute"),
+    ("jaw aside", within("joint_finger_right", 'xyz="0', 'xyz="0.001'), "[0.001, -0.0115"),
+    ("jaw off", within("joint_finger_right", "pitch_link", "tool0"), "] m of tool0"),
+    ("mimic", within("joint_finger_right", "<axis", f"{MIMIC}<axis"), "mimic is joint_finger_left"),
     ("product", within("forearm_link", 'ixy="', 'ixy="0.1" x="'), "principal moments of inertia"),
 ]
 

@@ -4,8 +4,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rst_control.errors import JointLimitExceeded
-from rst_control.kinematics.joint_limits import make_limits
+from rst_control.config import URDF_FILE
+from rst_control.errors import JointLimitExceeded, RobotModelError
+from rst_control.kinematics.joint_limits import make_limits, require_ranges
+from rst_control.kinematics.robot_model import parse_robot
+from rst_control.planning.planner import Planner
+from tests.property.six_joints import example
 from typed_config import ConfigError
 
 
@@ -40,3 +44,35 @@ def test_the_joint_furthest_outside_is_named_with_its_range(motion_config):
     q[1], q[3] = 2.3, 2.9
     with pytest.raises(JointLimitExceeded, match=r"joint_4 at 2\.900 rad, allowed -2\.550 to 2\.5"):
         limits.require(q)
+
+
+def narrower(lower, upper, by):
+    """The robot with a range of its URDF narrower by an angle [rad] at its upper end."""
+    text = URDF_FILE.read_text(encoding="utf-8")
+    old = f'lower="{lower}" upper="{upper}"'
+    assert old in text
+    return parse_robot(text.replace(old, f'lower="{lower}" upper="{upper - by:.6f}"'))
+
+
+def test_the_limits_of_the_shipped_robots_are_within_the_ranges_of_their_urdf(robot, motion_config):
+    require_ranges(motion_config.limits, robot)
+    config, model = example()
+    require_ranges(config.limits, model)
+
+
+@pytest.mark.parametrize(
+    ("lower", "upper", "by", "words"),
+    [
+        ("-2.57", 2.57, 0.3, "limits of joint_4 from -2.57 to 2.57 rad, .* -2.57 to 2.27 rad"),
+        ("-2.57", 2.57, 0.002, "limits of joint_4 .* -2.57 to 2.568 rad"),
+        ("-1.570796", 1.570796, 0.1, "joint_pitch from -1.5 to 1.5 rad, .* to 1.4708 rad"),
+        ("-1.570796", 1.570796, 0.05, "joint_finger_left from -1.5707 to 1.5707 .* to 1.5208 rad"),
+    ],
+)
+def test_limits_beyond_a_range_of_the_urdf_make_no_planner(motion_config, lower, upper, by, words):
+    with pytest.raises(RobotModelError, match=words):
+        Planner(narrower(lower, upper, by), motion_config)
+
+
+def test_limits_may_be_beyond_a_range_by_what_is_rounded(motion_config):
+    require_ranges(motion_config.limits, narrower("-2.57", 2.57, 0.0009))

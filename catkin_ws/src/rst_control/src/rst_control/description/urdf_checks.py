@@ -81,6 +81,8 @@ def _check_joint(joint: Xml.Element) -> None:
     kind = joint.get("type")
     if kind not in TYPES:
         raise _refusal(f"{what}: type", kind, f"one of {', '.join(TYPES)}")
+    if (mimic := joint.find("mimic")) is not None:
+        raise _refusal(f"{what}: mimic", mimic.get("joint"), "no <mimic>: each joint by itself")
     for key, most, unit in ORIGIN:
         row = _attribute(what, joint, "origin", key)
         _row(f"{what}: origin {key}", row, most, unit)

@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rst_control.config import LimitsConfig
-from rst_control.errors import JointLimitExceeded
-from rst_control.types import ARM_JOINTS, Vector, frozen_array
+from rst_control.errors import JointLimitExceeded, RobotModelError
+from rst_control.kinematics.robot_model import RobotModel
+from rst_control.types import ARM_JOINTS, JOINTS, Vector, frozen_array
 
 PLAN_NAMES = (*ARM_JOINTS, "joint_pitch", "yaw")
 TURN = 2.0 * np.pi
+BEYOND = 1e-3  # [rad] that a limit may be beyond the joint's range in the URDF
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,3 +66,21 @@ def make_limits(config: LimitsConfig, opening: float) -> JointLimits:
         velocity=frozen_array([*layer.arm_velocity, *[layer.tool_velocity] * 2], 9),
         acceleration=frozen_array([*layer.arm_acceleration, *[layer.tool_acceleration] * 2], 9),
     )
+
+
+def require_ranges(config: LimitsConfig, model: RobotModel) -> None:
+    """Keep position limits within the ranges of the joints that the URDF calls revolute.
+
+    Raises:
+        RobotModelError: They are beyond one; names the joint and both ranges.
+    """
+    tool = np.array([config.pitch, config.finger, config.finger])
+    lows, highs = [*config.arm_lower, *-tool], [*config.arm_upper, *tool]
+    links = {link.joint: link for link in model.links.values()}
+    for name, low, high in zip(JOINTS, lows, highs, strict=True):
+        link = links[name]
+        if link.type == "revolute" and max(link.lower - low, high - link.upper) > BEYOND:
+            raise RobotModelError(
+                f"limits of {name} from {low:g} to {high:g} rad, allowed: its range in the URDF, "
+                f"{link.lower:g} to {link.upper:g} rad"
+            )

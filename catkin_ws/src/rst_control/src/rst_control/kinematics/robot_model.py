@@ -15,12 +15,14 @@ from numpy.typing import NDArray
 from rst_control.config import URDF_FILE
 from rst_control.description.urdf_checks import read_joints
 from rst_control.errors import RobotModelError
-from rst_control.kinematics.forward import LOCKS, PITCH, SHAFT
+from rst_control.kinematics.forward import LOCKS, PITCH, SHAFT, TIP
 from rst_control.types import ARM_JOINTS, JOINTS
 
 Array = NDArray[np.float64]
 MOVING = (*ARM_JOINTS, "joint_pitch", "joint_finger_left")  # whose values are q, yaw the last
 STRAIGHT = 1e-6  # [m] that the pitch joint may be beside the shaft
+ASIDE = 1e-4  # [m] that the tip may be beside the shaft, and one finger's joint from the other's
+ASKEW = 1e-3  # [rad] between directions of the tool that have to be the same
 FRAMES = ("interface_link", "tool0", "tool_tip")  # in the order of `forward.SHAFT` and so on
 
 
@@ -161,6 +163,8 @@ def _compile(model: RobotModel) -> Array:
     kinds = [model.links[by_joint[name]].type for name in MOVING]
     chain[LOCKS].flat[: len(MOVING)] = [kind == "fixed" for kind in kinds]
     _check_shaft(chain)
+    _check_tip(chain)
+    _check_fingers(model, by_joint)
     return chain
 
 
@@ -183,6 +187,50 @@ def _check_shaft(chain: Array) -> None:
             f"pitch joint at {x * 1e3:.3f}, {y * 1e3:.3f}, {along * 1e3:.3f} mm of interface_link, "
             "allowed: on its z axis, in front of it"
         )
+
+
+def _check_tip(chain: Array) -> None:
+    """With pitch and yaw at zero the tool is straight, and its jaws point and open as planned."""
+    shaft, wrist, finger, tip = (_square(chain[k]) for k in (SHAFT, PITCH, PITCH + 1, TIP))
+    T = np.linalg.inv(shaft) @ wrist @ finger @ tip  # of tool_tip in interface_link
+    x, y, along = T[:3, 3]
+    length = float(chain[SHAFT, :, 2] @ (wrist - shaft)[:3, 3])
+    if np.hypot(x, y) > ASIDE or along <= length:
+        raise RobotModelError(
+            f"URDF at pitch and yaw zero: tool_tip at {x * 1e3:.3f}, {y * 1e3:.3f}, "
+            f"{along * 1e3:.3f} mm of interface_link, allowed: up to {ASIDE * 1e3:g} mm beside its "
+            f"z axis, and above {length * 1e3:.3f} mm along it, beyond the pitch joint"
+        )
+    _check_direction("-y of tool_tip in interface_link", -T[:3, 1], 1.0)
+    _check_direction("z of tool_tip in the left finger's link", tip[:3, 2], 1.0)
+
+
+def _check_fingers(model: RobotModel, by_joint: dict[str, str]) -> None:
+    left, right = (model.links[by_joint[f"joint_finger_{side}"]] for side in ("left", "right"))
+    if right.type == "fixed":
+        raise RobotModelError("URDF: joint_finger_right is fixed, allowed: revolute or continuous")
+    apart = float(np.linalg.norm(np.subtract(right.xyz, left.xyz)))
+    if right.parent != left.parent or apart > ASIDE:
+        raise RobotModelError(
+            f"URDF: joint_finger_right at {list(right.xyz)} m of {right.parent}, allowed: the "
+            f"left one's place within {ASIDE * 1e3:g} mm, {list(left.xyz)} m of {left.parent}"
+        )
+    axis = rotation(left.rpy).T @ rotation(right.rpy)[:, 2]
+    _check_direction("axis of joint_finger_right in the left finger's link", axis, -1.0)
+
+
+def _check_direction(what: str, axis: Array, z: float) -> None:
+    """Whether a unit vector (3,) is (0, 0, z)."""
+    angle = float(np.arctan2(np.hypot(*axis[:2]), z * axis[2]))
+    if angle > ASKEW:
+        raise RobotModelError(
+            f"URDF at pitch and yaw zero: {what} is ({axis[0]:.4f}, {axis[1]:.4f}, {axis[2]:.4f}), "
+            f"{angle:.4f} rad off, allowed: (0, 0, {z:g}) within {ASKEW:g} rad"
+        )
+
+
+def _square(pose: Array) -> Array:
+    return np.vstack([pose, [0.0, 0.0, 0.0, 1.0]])
 
 
 def _behind_joint(model: RobotModel, name: str) -> Array:
