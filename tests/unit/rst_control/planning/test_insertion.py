@@ -4,12 +4,15 @@ import pytest
 
 from bench.common.rig import random_poses
 from rst_control.commands.request import Accepted
-from rst_control.errors import Infeasible, InsertionOutOfRange, TrocarDrift
+from rst_control.config import URDF_FILE
+from rst_control.errors import Infeasible, InsertionOutOfRange, TrocarDrift, Unreachable
 from rst_control.kinematics.configuration import Configuration, robot_joints
+from rst_control.kinematics.robot_model import parse_robot
 from rst_control.planning.insertion import Insertion, ToolBent
 from rst_control.planning.plan import PhaseKind
+from rst_control.planning.planner import Planner
 from rst_control.types import Reason
-from tests.support.changed_settings import planner_with
+from tests.support.changed_settings import changed, planner_with
 from tests.unit.rst_control.support.situations import request, situation
 from typed_config import ConfigError
 
@@ -166,7 +169,9 @@ def test_where_the_tip_has_no_room_to_swing_the_tool_straightens_about_it(planne
     centre = tip - 0.020 * (swung - tip) / np.linalg.norm(swung - tip)
     scene = {"workspace_centre": tuple(centre.tolist()), "workspace_radius": 0.0205}
     upper = np.where(np.arange(7) == 5, 2.6, planner.config.limits.arm_upper)
-    narrow = planner_with(planner, scene=scene, limits={"arm_upper": tuple(upper)})
+    config = changed(planner.config, scene=scene, limits={"arm_upper": tuple(upper)})
+    wide = URDF_FILE.read_text(encoding="utf-8").replace('upper="2.09"', 'upper="2.6"')
+    narrow = Planner(parse_robot(wide), config)
     align, withdraw = Insertion(narrow).withdraw(home)
     tips = align.path.sample(narrow.model.chain, narrow.trocar).tip
     np.testing.assert_allclose(tips, np.tile(tip, (len(tips), 1)), atol=1e-6)
@@ -190,6 +195,32 @@ def test_more_shaft_inside_than_allowed_is_refused(planner, home):
     shallow = planner_with(planner, rcm={"insertion": (0.05, 0.09)})
     with pytest.raises(InsertionOutOfRange, match=r"allowed -30\.0 to 90\.0 mm"):
         Insertion(shallow).withdraw(home)
+
+
+def test_where_all_swings_fail_the_reason_of_the_best_one_is_given(planner, out, monkeypatch):
+    insertion, rooms = Insertion(planner), []
+
+    def refuse(path, must_stay):
+        rooms.append(insertion._room(path))
+        if len(rooms) == 1:
+            raise TrocarDrift(0.002, 0.001)  # with knots as usual: denser ones are tried
+        raise Infeasible(f"refusal {len(rooms)}")
+
+    monkeypatch.setattr(insertion, "_checked", refuse)
+    with pytest.raises(Infeasible, match="refusal 2"):
+        insertion._along_shaft(out[-1].path.start, -0.02)
+    assert len(rooms) > 3 and rooms[0] > max(rooms[2:])
+
+
+def test_where_no_swing_reaches_the_end_the_furthest_is_given(planner, out, monkeypatch):
+    insertion = Insertion(planner)
+
+    def short(q, way, swing, spacing):
+        raise Unreachable(0.01 - 0.001 * abs(swing), abs(way))
+
+    monkeypatch.setattr(insertion, "_continued", short)
+    with pytest.raises(Unreachable, match=r"beyond 10\.0 mm of a way of 20\.0 mm"):
+        insertion._along_shaft(out[-1].path.start, -0.02)
 
 
 def test_the_surface_margin_stops_a_withdrawal_that_would_end_too_near(planner, home):

@@ -271,3 +271,13 @@ def test_a_tracked_point_is_only_watched_unless_it_is_to_be_taken(here):
 
 def test_near_the_point_that_counts_nothing_is_set(here):
     assert reported(here, follower(here), here.first + 4e-4) == []
+
+
+def test_the_range_counts_from_the_configured_point_also_where_another_was_kept(here):
+    """A kept point is restored before the tracker is listened to."""
+    kept, limit = here.node(aside=0.008), here.rig.config.controller.tracking.grasp_point.range
+    here.accepted(kept)
+    for aside, is_within in ((-limit + 0.004, True), (limit + 0.004, False)):
+        grasp = follower(here)
+        grasp.update(Report(here.first + np.array([aside, 0.0, 0.0]), here.rig.now))
+        assert ("place tracked for 0.00 s" in grasp.objection(here.rig.now).words) == is_within

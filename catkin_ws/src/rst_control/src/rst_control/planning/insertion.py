@@ -28,7 +28,7 @@ from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.joint_limits import PLAN_NAMES, TURN
 from rst_control.planning.free_space import Approach
 from rst_control.planning.plan import PhaseKind
-from rst_control.planning.planner import Planner
+from rst_control.planning.planner import DENSER, Planner
 from rst_control.tissue.grasp_candidates import grasp_pose
 from rst_control.trajectory.path import Path
 from rst_control.types import Vector
@@ -38,7 +38,6 @@ log = logging.getLogger("rosout.rst_control.controller")
 Array = NDArray[np.float64]
 
 SWINGS: Final = tuple(0.2 * k for k in range(-6, 7))  # [rad] of the elbow, tried for the way out
-DENSITIES: Final = (1, 4)  # times as many knots as usual, where the shaft strays between them
 STRAIGHT: Final = 1e-9  # [rad] of pitch and yaw, below which the tool counts as straight
 NEARLY_STRAIGHT: Final = 0.01  # [rad] that may be straightened in the trocar: 0.3 mm at the tip
 WRIST_LENGTH: Final = 0.0265  # [m] from the pitch joint to the tip of a straight tool
@@ -251,38 +250,44 @@ class Insertion:
     def _along_shaft(self, q: Vector, way: float) -> Path:
         """Motion of a straight tool along its shaft by a way [m], inwards if positive.
 
-        Of the elbow's swings, the one that stays furthest from the joints' limits comes first.
+        Of the elbow's swings, the one that stays furthest from the joints' limits comes first. If
+        all fail, its reason is given, or that of the one that comes furthest.
         """
         candidates: list[tuple[float, float]] = []
-        why_not: Infeasible = Unreachable(0.0, abs(way))
+        short: list[Unreachable] = []
         for swing in SWINGS:
             try:
-                path = self._continued(q, way, swing, DENSITIES[0])
+                path = self._continued(q, way, swing, self._rcm.knot_spacing)
             except Unreachable as error:
-                why_not = error
+                short.append(error)
                 continue
             candidates.append((self._room(path), swing))
+        refused: list[Infeasible] = []
         for _, swing in sorted(candidates, reverse=True):
-            for density in DENSITIES:
-                try:
-                    return self._checked(self._continued(q, way, swing, density), must_stay=False)
-                except TrocarDrift as error:
-                    why_not = error
-                except Infeasible as error:
-                    why_not = error
-                    break
-        raise why_not
+            try:
+                return self._swung(q, way, swing)
+            except Infeasible as error:
+                refused.append(error)
+        raise refused[0] if refused else max(short, key=lambda error: error.reached)
+
+    def _swung(self, q: Vector, way: float, swing: float) -> Path:
+        """Checked, with knots as dense as usual, and denser where the shaft strays between them."""
+        spacing = self._rcm.knot_spacing
+        try:
+            return self._checked(self._continued(q, way, swing, spacing), must_stay=False)
+        except TrocarDrift:
+            denser = self._continued(q, way, swing, spacing / DENSER)
+            return self._checked(denser, must_stay=False)
 
     def _room(self, path: Path) -> float:
         limits = self._planner.limits
         return float(np.minimum(path.knots - limits.lower, limits.upper - path.knots).min())
 
-    def _continued(self, q: Vector, way: float, swing: float, density: int) -> Path:
+    def _continued(self, q: Vector, way: float, swing: float, spacing: float) -> Path:
         planner, axis = self._planner, np.empty(9)
         shaft = Configuration(planner.model, q).T_base_shaft[:3, 2]
         motion = np.array([way * shaft, np.zeros(3)])
         continuation.free_direction(planner.model.chain, np.array(q), planner.trocar, True, axis)
-        spacing = self._rcm.knot_spacing / density
         return planner.follow(q, motion, abs(way), spacing, axis, swing, is_straight=True)
 
     def _checked(self, path: Path, must_stay: bool) -> Path:

@@ -49,7 +49,7 @@ class TrackedGrasp:
 
     Args:
         config: What is believed, and whether it is taken.
-        present: The active grasp point.
+        present: The active grasp point, and the configured one, from which the range counts.
         registrar: Sets another.
     """
 
@@ -60,7 +60,7 @@ class TrackedGrasp:
         registrar: GraspPointRegistrar,
     ) -> None:
         self._config, self._present, self._registrar = config.grasp_point, present, registrar
-        home = np.array(present.current.config.scene.grasp_point)
+        home = np.array(present.configured.grasp_point)
         self._place = SteadyPlace(config.grasp_point, config.age, home)
         self._asked: Asked | None = None  # the newest
 

@@ -98,12 +98,12 @@ class ActiveTrocarContext:
     is then verified again.
 
     Args:
-        context: Active at the start.
+        context: Active at the start, of the settings; its scene stays in `configured`.
         stamp: Time of the start [s].
     """
 
     def __init__(self, context: TrocarContext, stamp: float = 0.0) -> None:
-        self.current = context
+        self.current, self.configured = context, context.config.scene
         self.trocar_origin = self.grasp_origin = Origin(SCENE, stamp)
 
     def verify(self, request: Request, situation: Situation) -> Accepted | Rejected:
