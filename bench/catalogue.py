@@ -33,7 +33,7 @@ _MOTION = Area(
                 "time p50$",
                 "over processor time",
             ),
-            moves=True,
+            moves="set-points",
         ),
         Part(
             "kinova",
@@ -61,21 +61,29 @@ _SITE = Area(
             "site.detection", "Faults seen, by the rate of feedback", "site.detection", code.KINOVA
         ),
         Part("site.stops", "Losses on the way to the arm", "site.stops", code.KINOVA),
-        Part("site.turns", "Joints without end stops", "site.turns", code.CONTROLLER, moves=True),
-        Part("site.plant", "A plant that is not ideal", "site.plant", code.PLANT, moves=True),
+        Part(
+            "site.turns",
+            "Joints without end stops",
+            "site.turns",
+            code.CONTROLLER,
+            moves="set-points",
+        ),
+        Part(
+            "site.plant", "A plant that is not ideal", "site.plant", code.PLANT, moves="set-points"
+        ),
         Part(
             "site.plant_velocities",
             "The same, led by velocities",
             "site.plant_velocities",
             code.PLANT,
-            moves=True,
+            moves="velocities",
         ),
         Part(
             "site.near_limits",
             "Joints near their limits",
             "site.near_limits",
             code.CONTROLLER,
-            moves=True,
+            moves="set-points",
         ),
         Part(
             "site.mounting",

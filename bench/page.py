@@ -69,7 +69,7 @@ class Result:
         now = identity(self.part.rooms)
         if self.code == now:
             return True
-        if self.part.moves and figures.moves_alike(self.code, now):
+        if self.part.moves and figures.moves_alike(self.part.moves, self.code, now):
             return ALIKE
         is_same = bool(self.decisions) and self.decisions == figures.decided_now(self.part.decides)
         return SAME if is_same and self.beside == beside_hearing(self.part.rooms) else False

@@ -251,15 +251,17 @@ def decided_now(which: str) -> str:
     return known.get(which, "") if known.get("code") == identity(HEARING) else ""
 
 
-def moves_alike(code: str, now: str) -> bool:
+def moves_alike(lead: str, code: str, now: str) -> bool:
     """Whether two versions of the controller were found to do the same in fixed sessions.
 
     Args:
+        lead: By what the arm is led in these: "set-points" or "velocities".
         code: Digest of the older one.
         now: Of the present one.
     """
     known = noted(FIXED_SESSIONS)
-    return code in known and known[code] == known.get(now)
+    before = known.get(f"{lead} {code}")
+    return before is not None and before == known.get(f"{lead} {now}")
 
 
 def show(figures: Sequence[Figure], console: Console) -> None:

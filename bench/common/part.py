@@ -30,8 +30,9 @@ class Part:
         decides: "rest" or "motion", where its figures follow from what hearing decides, and from
             its other rooms: hearing that decides the same on fixed clips leaves them true, but for
             its times.
-        moves: Its motions are such as those of the fixed sessions: a controller that moves the same
-            in them leaves its figures true.
+        moves: "set-points" or "velocities", where its motions are such as those of the fixed
+            sessions that are led so: a controller that moves the same in them leaves its figures
+            true.
     """
 
     name: str
@@ -43,7 +44,7 @@ class Part:
     command: str = ""
     last_in: str = ""
     decides: str = ""
-    moves: bool = False
+    moves: str = ""
 
     @property
     def file(self) -> str:

@@ -2,15 +2,16 @@
 """What the robot does in fixed sessions, so that a change of code elsewhere ages no figure.
 
 A session of commands is simulated in each plant, led by set-points and by velocities. Where two
-versions of the code move alike in all of them, figures of the older one are marked so on the page.
+versions of the code move alike in all that are led so, figures of the older one are marked so on
+the page.
 Run `python -m bench.site.fixed_sessions` before and after a change of the controller.
 """
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict
-from itertools import product
 from typing import Any, Final
 
 from bench.common.resumable import digest
@@ -19,24 +20,26 @@ from bench.site.plant_session import Session
 from support.figures import FIXED_SESSIONS, noted
 from support.product_code import CONTROLLER, KINOVA, PLANT, SIMULATION, identity
 
+LEADS: Final = ("set-points", "velocities")
 SECONDS: Final = 12.0  # simulated, of each
 DIGITS: Final = 9  # of what is measured in SI units: nanometres
 
 
-def moved() -> str:
-    """Digest of all that the sessions showed."""
+def moved(lead: str) -> str:
+    """Digest of all that the sessions showed in which the arm is led so."""
     seen = {}
-    for lead, plant in product(("set-points", "velocities"), ALL_PLANTS):
+    for plant in ALL_PLANTS:
         if (lead, plant) != REFUSED:
             with make_rig(lead, plant) as rig:
                 session = Session(rig, lead == "velocities").run(SECONDS)
-            seen[f"{lead}, {plant}"] = _rounded(asdict(session))
+            seen[plant] = digest(_rounded(asdict(session)))
     return digest(seen)
 
 
-def note(found: str) -> None:
-    """Note what the present code does, beside what older code did."""
-    present = {identity(rooms): found for rooms in (CONTROLLER, SIMULATION, KINOVA, PLANT)}
+def note(found: Mapping[str, str]) -> None:
+    """Note what the present code does, beside what older code did; by what leads the arm."""
+    codes = [identity(rooms) for rooms in (CONTROLLER, SIMULATION, KINOVA, PLANT)]
+    present = {f"{lead} {code}": what for lead, what in found.items() for code in codes}
     text = json.dumps(noted(FIXED_SESSIONS) | present, indent=1) + "\n"
     FIXED_SESSIONS.write_text(text, encoding="utf-8")
 
@@ -50,4 +53,4 @@ def _rounded(value: Any) -> Any:
 
 
 if __name__ == "__main__":
-    note(moved())
+    note({lead: moved(lead) for lead in LEADS})

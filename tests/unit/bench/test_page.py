@@ -16,6 +16,7 @@ from support.figures import Figure, rate, read, share, write
 from support.product_code import HEARING, beside_hearing, definitions, identity
 
 PART = measurable()["voice.armed"]
+LEADS = ("set-points", "velocities")
 MOVED = measurable()["site.turns"]
 MACHINE = {"cpu": "AMD EPYC", "cores": 2, "load_at_start": 0.5, "date": "2026-11-25"}
 SHARE = share("right", 9, 10, 95.0)
@@ -134,7 +135,8 @@ def test_changed_code_that_moves_the_same_in_fixed_sessions_is_marked_so(
     tmp_path, noted, known, age
 ):
     if known is not None:
-        known = {identity(MOVED.rooms) if code == "now" else code: m for code, m in known.items()}
+        present = {"now": identity(MOVED.rooms)}
+        known = {f"set-points {present.get(code, code)}": m for code, m in known.items()}
     noted("FIXED_SESSIONS", known)
     assert on_file(tmp_path, SHARE, part=MOVED, code="other").age == age
     if age:
@@ -145,8 +147,21 @@ def test_what_the_fixed_sessions_never_do_is_of_other_code_though_they_are_the_s
     tmp_path, noted
 ):
     part = measurable()["site.stops"]
-    noted("FIXED_SESSIONS", {"other": "a", identity(part.rooms): "a"})
+    noted("FIXED_SESSIONS", {f"{lead} {code}": "a" for lead in LEADS for code in both(part)})
     assert on_file(tmp_path, SHARE, part=part, code="other").age is False
+
+
+def test_sessions_that_are_led_otherwise_say_nothing(tmp_path, noted):
+    noted("FIXED_SESSIONS", {f"velocities {code}": "a" for code in both(MOVED)})
+    assert on_file(tmp_path, SHARE, part=MOVED, code="other").age is False
+    part = measurable()["site.plant_velocities"]
+    noted("FIXED_SESSIONS", {f"velocities {code}": "a" for code in both(part)})
+    assert on_file(tmp_path, SHARE, part=part, code="other").age == page.ALIKE
+
+
+def both(part):
+    """Keys of some older code and of the present one."""
+    return "other", identity(part.rooms)
 
 
 def test_times_are_of_older_code_though_it_decides_the_same(tmp_path, noted):
