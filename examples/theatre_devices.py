@@ -13,14 +13,12 @@ class Theatre:
     """All three."""
 
     def __init__(self) -> None:
-        self.pressure, kept = REST, {"queue_size": 1, "latch": True}
+        self.level, kept = REST, {"queue_size": 1, "latch": True}
         self.light = rospy.Publisher("/theatre/light/state", Bool, **kept)
         self.gas = rospy.Publisher("/theatre/insufflator/pressure", Float64, **kept)
         recorder = rospy.Publisher("/theatre/endoscope/is_recording", Bool, **kept)
         rospy.Service("/theatre/light", SetBool, self._switch)
-        rospy.Service(
-            "/theatre/insufflator/raise", Trigger, lambda _: self._set(self.pressure + STEP)
-        )
+        rospy.Service("/theatre/insufflator/raise", Trigger, lambda _: self._set(self.level + STEP))
         # A stop undoes any number of steps by one call, so it leads to one pressure.
         rospy.Service("/theatre/insufflator/lower", Trigger, lambda _: self._set(REST))
         rospy.Subscriber("/theatre/endoscope/record", Bool, recorder.publish)
@@ -31,7 +29,7 @@ class Theatre:
 
     def _set(self, wanted: float) -> TriggerResponse:
         if is_allowed := LOWEST <= wanted <= HIGHEST:
-            self.pressure = wanted
+            self.level = wanted
             self.gas.publish(wanted)
         return TriggerResponse(is_allowed, f"{wanted:g} mmHg, allowed {LOWEST:g} to {HIGHEST:g}")
 

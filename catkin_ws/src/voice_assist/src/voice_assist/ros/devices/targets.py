@@ -74,8 +74,8 @@ class _Service:
             trouble = reply.trouble + (MAY_COME if reply.may_take_effect else "")
             return CallResult(config, False, trouble, reply.may_take_effect)
         says = [getattr(response, name) for name in ANSWER_FIELDS if hasattr(response, name)]
-        words = str(getattr(response, "message", ""))
-        return CallResult(config, all(says), words, may_have_effect=all(says))
+        message = str(getattr(response, "message", ""))
+        return CallResult(config, all(says), message, may_have_effect=all(says))
 
 
 class _Topic:
