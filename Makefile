@@ -22,8 +22,8 @@ INTERFACES := $(wildcard catkin_ws/src/*/package.xml catkin_ws/src/*/CMakeLists.
 # FORCE where the file $1, if there is one, has no word like $2. Where .venv is a link, its place is the user's own.
 # So is what was removed: stamps outlive it.
 OF_OLD_PLACE = $(if $1,$(if $(filter $2,$(subst !, ,$(file <$1))),,FORCE))
-OLD_PYTHON := $(if $(wildcard .venv/bin/pip),,FORCE)$(call OF_OLD_PLACE,$(filter $(CURDIR)/.venv/%,$(realpath .venv/bin/pip)),$(CURDIR)/.venv/bin/%)
-OLD_BUILD := $(if $(wildcard catkin_ws/devel/setup.sh),,FORCE)$(call OF_OLD_PLACE,$(wildcard catkin_ws/build/CMakeCache.txt),CMAKE_HOME_DIRECTORY:INTERNAL=$(CURDIR)/catkin_ws/src)
+OLD_PYTHON := $(if $(wildcard .venv/bin/pip),,FORCE) $(call OF_OLD_PLACE,$(filter $(CURDIR)/.venv/%,$(realpath .venv/bin/pip)),$(CURDIR)/.venv/bin/%)
+OLD_BUILD := $(if $(wildcard catkin_ws/devel/setup.sh),,FORCE) $(call OF_OLD_PLACE,$(wildcard catkin_ws/build/CMakeCache.txt),CMAKE_HOME_DIRECTORY:INTERNAL=$(CURDIR)/catkin_ws/src)
 
 .PHONY: FORCE help setup install demo film languages preflight check fast test bench figures fuzz evaluate train paper lint report clean
 

@@ -153,6 +153,8 @@ def test_a_folder_that_was_set_up_needs_nothing(copy):
 def test_what_was_removed_is_made_again(copy):
     shutil.rmtree(copy / "catkin_ws/devel")
     assert steps(copy) == [WORKSPACE]
+    built_in(copy, "/elsewhere")  # copied, too
+    assert steps(copy) == [WORKSPACE]
     shutil.rmtree(copy / ".venv")
     assert steps(copy) == [PYTHON, WORKSPACE]
 
