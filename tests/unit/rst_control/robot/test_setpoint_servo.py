@@ -115,9 +115,10 @@ def test_hold_brakes_without_a_fault_and_older_setpoints_no_longer_count(robot):
     assert robot.state is ServoState.BRAKING
     rest = play_on(robot, 0.5, 0.5)[-1]
     assert robot.fault == ""
-    robot.accept(Setpoint(*wave(0.499), 0.499), 1.0)
-    assert robot.state is ServoState.HOLDING
-    robot.accept(Setpoint(rest, STILL, 1.0), 1.0)
+    robot.hold(1.0)
+    robot.accept(Setpoint(rest, STILL, 0.999), 1.0)
+    assert (robot.state, robot.fault) == (ServoState.HOLDING, "")
+    robot.accept(Setpoint(rest, STILL, 1.001), 1.001)
     assert robot.state is ServoState.FOLLOWING
 
 
@@ -179,12 +180,21 @@ def test_a_jump_between_setpoints_is_a_fault_and_brakes_on_the_old_course(robot)
     assert np.abs(course - before).max() < 0.03
 
 
-def test_setpoints_from_the_past_are_ignored_and_from_the_future_are_a_fault(robot):
-    robot.accept(Setpoint(HOME + 0.005, STILL, 1.0), 2.0)
-    assert robot.state is ServoState.HOLDING
-    assert robot.fault == ""
+def test_late_setpoints_are_ignored_and_those_of_another_clock_are_a_named_fault(robot):
+    robot.accept(Setpoint(HOME + 0.005, STILL, 2.0 - CONFIG.lead), 2.0)
+    assert (robot.state, robot.fault) == (ServoState.HOLDING, "")
     robot.accept(Setpoint(HOME, STILL, 3.0), 2.0)
-    assert "in the future" in robot.fault
+    assert "set-point stamped 1.000 s in the future" in robot.fault
+    assert robot.clear_fault()
+    robot.accept(Setpoint(HOME + 0.005, STILL, 1.0), 2.0)
+    assert "set-point stamped 1.000 s in the past" in robot.fault
+    assert np.array_equal(play_on(robot, 2.0, 0.2)[-1], HOME)
+
+
+def test_a_motion_goes_on_past_a_setpoint_from_long_ago(robot):
+    stream(robot, 0.5)
+    robot.accept(Setpoint(HOME, STILL, 0.498 - CONFIG.lead), 0.5)
+    assert (robot.state, robot.fault) == (ServoState.FOLLOWING, "")
 
 
 def test_a_course_that_heads_into_a_limit_ends_at_the_limit():

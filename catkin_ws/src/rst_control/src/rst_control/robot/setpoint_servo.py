@@ -142,15 +142,20 @@ class Servo:
         """Take one set-point; one that no joint may follow raises a fault instead.
 
         Set-points are ignored while braking, while a fault is latched, and where they are stale or
-        older than the last one.
+        older than the last one. At rest, those of a clock that is far behind are a fault as well:
+        nobody else would say why the robot stands.
         """
-        if self.fault or self.state is ServoState.BRAKING or point.stamp <= self._closed_until:
+        if self.fault or self.state is ServoState.BRAKING:
             return
-        if point.stamp <= max(self.newest_stamp, now - self._config.stale_after):
+        late, allowed = now - point.stamp, self._config.lead
+        if self.state is ServoState.HOLDING and late > allowed:
+            self._refuse(f"set-point stamped {late:.3f} s in the past, allowed {allowed:.3f} s", now)
             return
-        reason = self._objection(point, now)
-        if reason:
-            self.fail(Cause(Reason.SETPOINT_REFUSED, reason).coded, now)
+        oldest = max(self._closed_until, self.newest_stamp, now - self._config.stale_after)
+        if point.stamp <= oldest:
+            return
+        if reason := self._objection(point, now):
+            self._refuse(reason, now)
             return
         if self.state is ServoState.HOLDING:
             rest, still = self._brake.at(now)
@@ -159,6 +164,9 @@ class Servo:
             self._points.append(Setpoint(point.position, still, point.stamp - self._config.period))
             self.state = ServoState.FOLLOWING
         self._points.append(point)
+
+    def _refuse(self, reason: str, now: float) -> None:
+        self.fail(Cause(Reason.SETPOINT_REFUSED, reason).coded, now)
 
     def hold(self, now: float) -> None:
         """Slow down and stay; set-points up to `now`, and up to those in play, do not count.
