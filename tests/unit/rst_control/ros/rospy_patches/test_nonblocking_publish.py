@@ -166,6 +166,7 @@ def test_a_subscriber_stays_whose_socket_has_the_number_of_one_that_went(
     assert len(publisher.connections) == 1
     assert publisher.connections != [gone]
     publisher.publish(String("hello"))
+    far.settimeout(PATIENCE)
     assert b"hello" in far.recv(100)
 
 
