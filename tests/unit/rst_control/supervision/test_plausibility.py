@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.unit.rst_control.support.sensor_streams import (
+    PERIOD,
     SENSORS,
     SETTINGS,
     TOOL_STEP,
@@ -165,6 +166,14 @@ def test_messages_that_come_bunched_are_no_jump():
         return replace(m, stamp=100.0 + 0.016 * (k // 8 + 1) + 1e-5 * (k % 8))
 
     assert first_objection(ramp(1.1), seconds=0.5, spoil=bunched)[0] == ""
+
+
+def test_of_a_robot_that_reports_more_often_than_is_looked_the_newest_are_believed():
+    def newest(k, m):  # by turns 1 ms and 3 ms after the one before
+        age = 0.5 * PERIOD * (k % 2)
+        return replace(m, position=m.position - age * m.velocity, sent=m.sent - age)
+
+    assert first_objection(ramp(0.8), spoil=newest)[0] == ""
 
 
 def test_messages_that_were_passed_over_are_no_jump():

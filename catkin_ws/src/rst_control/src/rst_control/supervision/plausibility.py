@@ -95,13 +95,14 @@ class SensorWatch:
 
     def _motion(self, last: Measurement, measured: Measurement, is_gap: bool) -> str:
         moved, span = measured.position - last.position, self._span(last, measured)
-        excess = np.abs(moved) - self._speed * span
+        within = max(span, self._period)  # stamps may jitter
+        excess = np.abs(moved) - self._speed * within
         joint = int(excess.argmax())
         if excess[joint] > self._config.jump:
             self._drift[:] = 0.0
             return (
-                f"{JOINTS[joint]} jumped by {moved[joint]:+.4f} rad in {span * 1e3:.1f} ms, "
-                f"allowed {self._speed[joint] * span + self._config.jump:.4f}"
+                f"{JOINTS[joint]} jumped by {moved[joint]:+.4f} rad in {within * 1e3:.1f} ms, "
+                f"allowed {self._speed[joint] * within + self._config.jump:.4f}"
             )
         if is_gap:
             self._drift[:], self._fast[:] = 0.0, 0.0
@@ -113,11 +114,12 @@ class SensorWatch:
 
         By the robot's own stamps where it gives them, since messages come bunched; but by no more
         than the steady clock at arrival can explain, since the robot's clock may be set meanwhile.
+        It may be less than a period: of a robot that reports more often, the newest is taken.
         """
         arrived = measured.stamp - last.stamp
         if measured.sent is None or last.sent is None:
             return arrived
-        return min(max(measured.sent - last.sent, self._period), arrived + self._longest)
+        return min(max(measured.sent - last.sent, 0.0), arrived + self._longest)
 
     def _contradiction(
         self, last: Measurement, measured: Measurement, moved: Vector, span: float
