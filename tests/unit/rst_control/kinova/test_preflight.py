@@ -95,6 +95,15 @@ def test_a_limits_file_that_is_none_is_refused(tmp_path):
         check(True, False, TROCAR, SCENE, SCENE, 0.1)
 
 
+def test_limits_beyond_the_ranges_of_the_joints_are_named(tmp_path, refused):
+    wide = tmp_path / "wide.yaml"
+    settings = load_yaml(LIMITS)
+    settings["arm_lower"][1] = -2.5
+    wide.write_text(yaml.safe_dump(settings))
+    words = refused("--limits", str(wide))
+    assert "limits of joint_2 from -2.5 to" in words and "its range in the URDF" in words
+
+
 def test_home_is_checked_with_the_tool_that_is_described(tmp_path, refused):
     urdf = tmp_path / "beside.urdf"
     urdf.write_text(tool_beside(0.01))

@@ -17,6 +17,7 @@ import numpy as np
 from rst_control.config import CONFIG_FOLDER, URDF_FILE, LimitsConfig, RcmConfig, SceneConfig
 from rst_control.errors import RstError
 from rst_control.kinematics.configuration import Configuration
+from rst_control.kinematics.joint_limits import require_ranges
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import RobotModel, load_robot
 from typed_config import ConfigError, add_common_options, load_file
@@ -61,7 +62,7 @@ def check(
     Raises:
         NotReady: Says what is missing, and what to do.
         ConfigError: A file is wrong; names the key.
-        RobotModelError: The description is wrong.
+        RobotModelError: The description is wrong, or limits are beyond the ranges of its joints.
         OSError: It cannot be read.
     """
     if not has_stop and not is_simulated:
@@ -78,7 +79,9 @@ def check(
     bounds = load_file(LimitsConfig, limits)
     home = load_file(SceneConfig, scene)
     _check_turns(home, bounds, scene)
-    _check_home(home, trocar, scene, load_robot(urdf))
+    model = load_robot(urdf)
+    require_ranges(bounds, model)
+    _check_home(home, trocar, scene, model)
     what = "simulated drivers" if is_simulated else "the real robot"
     return f"{what}, limits {bounds.layer}, speeds times {scale:g}"
 
