@@ -149,7 +149,9 @@ class Servo:
             return
         late, allowed = now - point.stamp, self._config.lead
         if self.state is ServoState.HOLDING and late > allowed:
-            self._refuse(f"set-point stamped {late:.3f} s in the past, allowed {allowed:.3f} s", now)
+            self._refuse(
+                f"set-point stamped {late:.3f} s in the past, allowed {allowed:.3f} s", now
+            )
             return
         oldest = max(self._closed_until, self.newest_stamp, now - self._config.stale_after)
         if point.stamp <= oldest:
