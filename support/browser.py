@@ -84,9 +84,7 @@ class Browser:
 
     async def _connect(self) -> None:
         port = await self._until(self._port, "a port")
-        async with self._session.get(f"http://127.0.0.1:{port}/json/list") as answer:
-            pages = await answer.json(content_type=None)
-        url = next(page["webSocketDebuggerUrl"] for page in pages if page["type"] == "page")
+        url = await self._until(lambda: self._page(port), "a page")
         self._socket = await self._session.ws_connect(url, max_msg_size=0)
         self._reader = asyncio.create_task(self._read())
         for domain in ("Page", "Runtime", "Log"):
@@ -184,6 +182,12 @@ class Browser:
         file = Path(self._folder.name, "DevToolsActivePort")
         port, end, _ = (file.read_text() if file.exists() else "").partition("\n")
         return port if end else ""  # it may be there before it is written
+
+    async def _page(self, port: str) -> str:
+        """Address of its page; empty: there is none yet, and it answers already."""
+        async with self._session.get(f"http://127.0.0.1:{port}/json/list") as answer:
+            pages = await answer.json(content_type=None)
+        return next((one["webSocketDebuggerUrl"] for one in pages if one["type"] == "page"), "")
 
     async def _until(
         self, ask: Callable[[], Any], what: str, limit: float = PATIENCE, every: float = 0.05
