@@ -41,7 +41,8 @@ def workspace(tmp_path):
     for package in PACKAGES:
         to = tmp_path / "ws" / "src" / package.name
         if package.name < "s":
-            shutil.copytree(package, to, symlinks=True)
+            compiled = shutil.ignore_patterns("__pycache__")  # others write there meanwhile
+            shutil.copytree(package, to, symlinks=True, ignore=compiled)
         else:
             to.symlink_to(package)
     return tmp_path / "ws"

@@ -11,7 +11,7 @@ from tests.__main__ import give_way
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ("catkin_ws", "docker")
-BUILT = ("build", "devel", "install", "*.pyc", ".catkin_workspace")
+BUILT = ("build", "devel", "install", "*.pyc", "*.pyc.*", "*.tmp.*", ".catkin_workspace")
 BROKEN = "raise ImportError('this em lies under ~/.local')\n"
 
 

@@ -13,13 +13,13 @@ from collections import Counter
 from pathlib import Path
 
 from support.waiting import wait_until
-from tests.support.ros_host import ROSTEST
+from tests.support.ros_host import ASK, ROSTEST
 
 PROGRAMS = Path(__file__).parent / "programs"
 CLOCK = PROGRAMS / "other_clock"
 JUMPS = {"both": (0.3, 30.0, -3.0), "robot": (30.0, -3.0), "controller": (30.0, -3.0)}  # [s]
 WATCHED = 280.0  # [s] for all jumps on a loaded machine
-STEP = 5e-3  # [rad] that no joint goes from one joint state to the next, 2 ms later
+STEP = 1e-2  # [rad] that no joint goes from one joint state to the next, 8 ms later
 HELD = 1e-5  # [rad] that it may go while it is held
 RCM = 1e-5  # [m]
 
@@ -53,7 +53,7 @@ def clock_of(file, **of_nodes):
 def witnessed(host, folder, jumps, clocks):
     """What the witness saw of each jump, and all that was printed."""
     results = folder / "seen.json"
-    wait_until(lambda: host.is_found("/rst_control/command"), "a controller")
+    wait_until(lambda: host.is_found("/rst_control/command"), "a controller", every=ASK)
     witness = host.start(
         sys.executable,
         str(PROGRAMS / "clock_witness.py"),

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A launch whose nodes run already on the master starts nothing, and changes no parameter there."""
 
+import socket
 import subprocess
 import threading
 from http.server import BaseHTTPRequestHandler, HTTPServer
@@ -11,6 +12,7 @@ import pytest
 
 from support.launched_system import free_port
 from support.waiting import PATIENCE
+from typed_config.ros import xmlrpc
 from typed_config.ros.running_nodes import running_again
 
 LAUNCH = Path(__file__).resolve().parents[2] / "launch"
@@ -31,7 +33,9 @@ def calls():
     server = SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False)
     other = HTTPServer(("127.0.0.1", 0), BaseHTTPRequestHandler)
     uri, seen = f"http://127.0.0.1:{server.server_address[1]}/", []
-    uris = {RUNNING: uri, SHARED: uri, DEAD: f"http://127.0.0.1:{free_port()}/"}
+    dead = socket.socket()
+    dead.bind(("127.0.0.1", 0))  # nobody listens there, and nobody else may
+    uris = {RUNNING: uri, SHARED: uri, DEAD: f"http://127.0.0.1:{dead.getsockname()[1]}/"}
     uris[TAKEN] = f"http://127.0.0.1:{other.server_port}/"
     state = [[["/rosout", [RUNNING, DEAD, TAKEN, SHARED]]], [], []]
     answers = {"getSystemState": lambda *_: state, "lookupNode": lambda _, name: uris[name]}
@@ -46,8 +50,10 @@ def calls():
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_MASTER_URI", uri)
         patch.setenv("ROS_IP", "127.0.0.1")
+        patch.setattr(xmlrpc, "ANSWER_TIME", PATIENCE)
         patch.delenv("ROS_NAMESPACE", raising=False)
         yield seen
+    dead.close()
     for one in (server, other):
         one.shutdown()
         one.server_close()

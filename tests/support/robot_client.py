@@ -66,7 +66,7 @@ class RobotClient:
         force = message.wrench.force
         self.tension = (force.x**2 + force.y**2 + force.z**2) ** 0.5
 
-    def wait(self, condition, limit: float = 30.0, every: float = 0.01) -> None:
+    def wait(self, condition, limit: float = PATIENCE, every: float = 0.01) -> None:
         """Wait until the condition holds; fail with the controller's state where it never does.
 
         Args:

@@ -13,7 +13,6 @@ from support.waiting import PATIENCE, wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
 ROSTEST = ROOT / "tests" / "rostest"
-END = 20.0  # [s] for a process to end
 ASK = 0.1  # [s] between two questions to the master, each of which is work for both
 CORE = {"/rosout"}  # node of the master's own
 
@@ -112,5 +111,5 @@ class Host:
     def close(self):
         """End all that was started here, the newest first."""
         for process in reversed(self._running):
-            end_group(process, END)
+            end_group(process)  # as long as roslaunch may need for its nodes
         self._log.close()

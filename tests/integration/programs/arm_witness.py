@@ -38,10 +38,11 @@ def main() -> None:
     robot = RobotClient()
     robot.home_tool()
     robot.start_fresh()
+    bridge = process_of("kinova_bridge")  # before: the answer may take as long as the reach
     robot.say("tense")
     robot.wait(lambda: seen[-1][1] > MOVING)
     before = len(stops)
-    os.kill(process_of("kinova_bridge"), signal.SIGKILL)
+    os.kill(bridge, signal.SIGKILL)
     killed = time.monotonic()
     time.sleep(WATCHED)
     after = [one for one in seen if one[0] > killed]

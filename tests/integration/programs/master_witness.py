@@ -13,7 +13,7 @@ from tests.support.robot_client import RobotClient
 rospy.init_node("master_witness")
 robot = RobotClient()
 print(json.dumps([robot.state.state, robot.state.halt_reason]), flush=True)
-robot.activate()
+robot.start_fresh()  # the motion may have come as far as to grasp
 robot.say("tense")
 robot.say("stop")
 robot.wait_for_state("halted")

@@ -94,6 +94,8 @@ def traffic(count):
             late = rospy.Publisher("/late", Empty, latch=True, queue_size=1)
             late.publish()
         rate.sleep()
+    while not all(topic.get_num_connections() for topic in (odd, late or odd)):
+        rospy.sleep(0.05)
     end = time.time() + ARRIVED
     while not written or written[-1].data.to_sec() < end:
         rospy.sleep(0.05)

@@ -104,7 +104,7 @@ class Attacked(RobotTest):
             self.cancel.publish(GoalID(id=cancelled))
             self.send_goal("release", f"late-{number}")
             self.robot.wait_for_state("halted", limit=5.0)
-            self.robot.wait_for_rest()
+            self.robot.wait(lambda: self.robot.drift(0.1) < STILL)  # all is played out
             place = self.robot.joints.position
             rospy.sleep(1.0)
             self.assert_still(place)

@@ -55,11 +55,10 @@ class GraspPointService(RobotTest):
 
     def test_1_in_another_frame_with_the_way_of_the_pull(self):
         place = self.first + np.array([ASIDE, 0.0, 0.0])
-        reply = self.service(
-            position=Point(*self.seen_by_camera(place)),
-            pull_direction=Vector3(0.0, 0.0, -1.0),
-            frame="site_camera",
-        )
+        given = {"position": Point(*self.seen_by_camera(place)), "frame": "site_camera"}
+        given["pull_direction"] = Vector3(0.0, 0.0, -1.0)
+        self.robot.wait(lambda: self.service(**given).reason_code != "unknown_frame", every=0.2)
+        reply = self.service(**given)
         self.assertTrue(reply.accepted, reply.message)
         self.assertIn("pulled along (0.000, 0.000, 1.000)", reply.message)
         self.wait_for(place)

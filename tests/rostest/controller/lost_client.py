@@ -42,6 +42,7 @@ class LostClient(RobotTest):
 
     def test_2_stopped_and_continued(self):
         client = self.set_off()
+        self.robot.wait(lambda: self.robot.state.phase in ("close", "pull"))  # it is found by then
         client.send_signal(signal.SIGSTOP)
         self.assert_held("was stopped")
         client.send_signal(signal.SIGCONT)

@@ -77,8 +77,7 @@ class PageInBrowser(RobotTest):
     def test_2_states_of_a_motion_and_the_stop_button(self):
         self.robot.start_fresh()
         self.robot.say("tense")
-        self.wait_for_text("state", "Moving")
-        self.wait("document.title.startsWith('Moving')")
+        self.wait(f"{text('state')}.includes('Moving') && document.title.startsWith('Moving')")
         self.ask(click("stop"))
         self.robot.wait_for_state("halted")
         self.wait_for_text("state", "Halted")

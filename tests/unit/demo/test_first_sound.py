@@ -16,7 +16,7 @@ BEGAN = 100.0  # [s] when the node captured its first sample
 @pytest.fixture(autouse=True)
 def short(monkeypatch):
     """What is late here is late by 0.05 s."""
-    monkeypatch.setattr(first_sound, "SETTLE", 0.3)
+    monkeypatch.setattr(first_sound, "SETTLE", 1.0)
 
 
 def push(sound, first_sample, samples, late=0.0):

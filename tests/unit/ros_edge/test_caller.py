@@ -12,6 +12,7 @@ import pytest
 import rospy
 
 from rst_control.srv import Command, CommandRequest, CommandResponse
+from support.waiting import PATIENCE, wait_until
 from voice_assist.ros import service_calls
 from voice_assist.ros.service_calls import call_service, drop, in_time, timely
 
@@ -91,7 +92,7 @@ def test_an_answer_is_waited_for_and_given_up_in_time_by_a_thread_that_ends_with
     assert in_time(hang, 0.05) is None
     assert time.monotonic() - began < 10.0
     go_on.set()
-    assert seen == [True]
+    wait_until(lambda: seen == [True], "its thread")
 
 
 class Service:
@@ -162,7 +163,8 @@ SAYS_NO = rospy.ServiceException("service [/name] responded with an error: b'no'
 )
 def test_what_was_sent_and_not_answered_may_still_take_effect(monkeypatch, fault, may_take_effect):
     service = Service(monkeypatch, **fault)
-    reply = call_service("name", Command, "tense", within=2.0)
+    within = 2.0 if "hangs" in fault else PATIENCE
+    reply = call_service("name", Command, "tense", within=within)
     assert reply.response is None and reply.trouble and service.closed == 1
     assert reply.may_take_effect is may_take_effect
     service.thaws.set()

@@ -299,12 +299,13 @@ def test_a_stop_counts_though_its_id_or_its_time_was_cancelled():
 def test_a_stop_does_not_wait_for_who_sends_it_to_be_known():
     server, looked_up = Actions(), threading.Event()
     server._goals = SimpleNamespace(has_true_name=lambda _: looked_up.wait())
-    thread = threading.Thread(target=server.internal_goal_callback, args=(goal("stop", "g"),))
+    to_run, given = server.internal_goal_callback, (goal("stop", "g"),)
+    thread = threading.Thread(target=to_run, args=given, daemon=True)
     thread.start()
     wait_until(lambda: server.stopped == ["g"])
     assert server.taken == []
     looked_up.set()
-    thread.join()
+    thread.join(10.0)
     assert server.taken == ["stop"]
 
 

@@ -88,6 +88,7 @@ def test_a_node_that_has_started_is_shut_down_beside_what_it_does(clock, monkeyp
         is_over.set()
 
     monkeypatch.setattr(rospy.core, "signal_shutdown", shut_down)
+    monkeypatch.setattr(rospy.core, "_client_shutdown_hooks", [])
     with starting("node"):
         pass
     with lock:  # what the shutdown needs, too
@@ -116,8 +117,9 @@ def test_loops_end_before_the_topics_are_closed(clock, monkeypatch):
     assert seen == [False, True]
 
 
-def test_a_clock_that_comes_soon_is_waited_for_without_a_word(clock):
+def test_a_clock_that_comes_soon_is_waited_for_without_a_word(clock, monkeypatch):
     shown, said = clock
+    monkeypatch.setattr("typed_config.ros.starting.CLOCK_DUE", PATIENCE)
     shown[:] = [0.0, 0.0, 0.02]
     wait_for_clock()
     assert (shown, said) == ([0.02], [])

@@ -106,12 +106,13 @@ def program_of(act):
 )
 def test_output_that_cannot_be_written_is_said_and_that_nobody_reads_is_not(output, words, act):
     program = program_of(act)
-    sink = os.open(output, os.O_WRONLY) if output else subprocess.PIPE
-    command = subprocess.Popen(program, stdout=sink, stderr=subprocess.PIPE, text=True, env=PATHS)
-    if command.stdout is None:
-        os.close(sink)
+    if output:
+        sink = os.open(output, os.O_WRONLY)
     else:
-        command.stdout.close()
+        reading, sink = os.pipe()
+        os.close(reading)  # before it is written to
+    command = subprocess.Popen(program, stdout=sink, stderr=subprocess.PIPE, text=True, env=PATHS)
+    os.close(sink)
     with command:
         assert command.stderr.read() == words
     assert command.returncode == 7

@@ -9,7 +9,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from sensor_msgs.msg import Joy
 
-from support.waiting import wait_until
+from support.waiting import PATIENCE, wait_until
 from typed_config import load_yaml
 from voice_assist.config import CONFIG_DIR
 from voice_assist.config.pedal import pedal_config
@@ -224,13 +224,13 @@ def test_no_stop_waits_for_a_log_that_blocks(monkeypatch, bound):
     try:
         pressing.start()
         wait_until(lambda: "stop is published" in acting.acts, "a stop")
-        pressing.join(5.0)
+        pressing.join(PATIENCE)
         acting.node._check()
         wait_until(lambda: is_blocked, "a log that blocks")
         assert not pressing.is_alive() and len(is_blocked) == 1
     finally:
         goes_on.set()
-    acting.node._say.close(5.0)
+    acting.node._say.close(PATIENCE)
     assert is_blocked[0] == "pedal: pull more, by button 1" and len(is_blocked) == 2
 
 

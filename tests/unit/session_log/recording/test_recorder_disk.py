@@ -23,11 +23,11 @@ def on_disk(folder, write):
 
 
 def test_a_folder_that_cannot_be_written_is_said_and_tried_again(tmp_path, make_recorder):
-    attempts = []
+    attempts, is_seen = [], threading.Event()
 
     def open_writer():
         attempts.append(1)
-        if len(attempts) < 4:
+        if len(attempts) < 4 or not is_seen.is_set():
             raise RecordingFailed(tmp_path / "s.mcap", PermissionError(13, "Permission denied"))
         return SessionWriter(tmp_path / "s.mcap")
 
@@ -37,6 +37,7 @@ def test_a_folder_that_cannot_be_written_is_said_and_tried_again(tmp_path, make_
     recorder.offer(tally, b"early")
     wait_until(lambda: "Permission denied" in recorder.status().error)
     assert not recorder.status().is_recording
+    is_seen.set()
     wait_until(lambda: recorder.status().is_recording)
     assert recorder.close() == ""
     (message,) = SessionReader(tmp_path / "s.mcap").messages()

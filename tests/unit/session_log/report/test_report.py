@@ -18,6 +18,7 @@ from session_log.report.notes import Note, add_note
 from session_log.report.one_session import write_report
 from session_log.report.tables.text_table import length
 from support.story import Story, recording_of, write_session
+from support.waiting import PATIENCE
 
 FIGURES = {"timeline", "latency", "rcm_error", "tension", "scene", "joints", "loop_timing"}
 FIGURES |= {"accuracy", "confusion"}
@@ -274,7 +275,11 @@ def test_notes_stand_in_the_report_and_those_of_a_moment_on_its_time_axis(tmp_pa
 def test_a_browser_draws_the_time_axis_and_folds_the_page_on_a_phone(report, width, are_open):
     command = [BROWSER, "--no-sandbox", f"--window-size={width},900", "--dump-dom"]
     dom = subprocess.run(
-        [*command, report[0].page.as_uri()], capture_output=True, text=True, timeout=60, check=True
+        [*command, report[0].page.as_uri()],
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=True,
     ).stdout
     assert re.search(r'<div class="zoom">.*?<canvas [^>]*height: \d+px', dom, re.DOTALL)
     parts = re.findall(r'<details class="part"( open="")?>', dom)

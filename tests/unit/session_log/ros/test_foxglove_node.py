@@ -19,7 +19,7 @@ from typed_config import load_file
 from typed_config.ros import xmlrpc
 
 URDF = "<robot/>"
-ANSWER_TIME = 0.2  # [s]
+ANSWER_TIME = PATIENCE  # [s] it is there, but maybe late
 VIEWED = SimpleNamespace(topic=URDF_TOPIC)
 
 

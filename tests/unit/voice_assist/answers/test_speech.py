@@ -130,7 +130,7 @@ def played(loudspeaker, answers):
 def answering(loudspeaker):
     """A player that begins with an answer."""
     with loudspeaker.answers() as answers, played(loudspeaker, answers) as player:
-        wait_until(lambda: answers.duration("ready") > 0.0)
+        wait_until(lambda: "silence" in loudspeaker.log)  # all sentences are made
         player.offer(TAKEN)
         wait_until(lambda: "ready" in loudspeaker.log)
         yield player

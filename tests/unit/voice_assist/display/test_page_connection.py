@@ -6,6 +6,7 @@ import asyncio
 import pytest
 
 from support.browser import MISSING, find_browser
+from support.waiting import PATIENCE
 from tests.support.page import text
 from tests.unit.voice_assist.display.support.served_page import use_page
 from tests.unit.voice_assist.display.support.theatre import (
@@ -23,7 +24,7 @@ SILENT = 3.0  # [s] as in page.js
 
 async def viewers(server, count):
     """Wait until so many see it."""
-    async with asyncio.timeout(10.0):
+    async with asyncio.timeout(PATIENCE):
         while len(server.viewers) != count:
             await asyncio.sleep(0.02)
 

@@ -34,6 +34,7 @@ def late(seconds):
     """Fresh news come, and the same again that late; what the page says then."""
     return f"""(() => {{
         for (const part of [news.robot, news.hearing, news.tissue]) part.age = 0;
+        source.onopen();
         source.onmessage({{ data: JSON.stringify(news) }});
         news.steady -= {seconds};
         source.onmessage({{ data: JSON.stringify(news) }});
@@ -53,8 +54,7 @@ class RunningClock:
 
 def test_a_snapshot_that_is_late_is_as_old_as_it_is_late():
     async def use(browser, server):
-        await browser.until(MOVING)
-        assert not await browser.evaluate(IS_LOST)
+        await browser.until(f"{MOVING} && !({IS_LOST})")
         is_lost, title, said = await browser.evaluate(late(20.0))
         assert is_lost and title == "No connection"
         parts = ("connection", "news of the controller", "news of the voice")

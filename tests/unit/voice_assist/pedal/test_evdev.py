@@ -70,12 +70,12 @@ def test_events_are_read_until_the_device_is_gone_or_some_are_lost(tmp_path, the
                 with suppress(BrokenPipeError):
                     file.write(data[at : at + 7])
 
-    writer = threading.Thread(target=write)
+    writer = threading.Thread(target=write, daemon=True)
     writer.start()
     seen = []
     with EvdevReader(pipe) as reader, pytest.raises(OSError, match=words):
         seen.extend(reader)
-    writer.join()
+    writer.join(10.0)
     assert seen == [{"button 48": 1.0}, {"axis 1": 200.0}, *news]
 
 
@@ -180,6 +180,6 @@ def test_a_device_that_another_program_has_taken_is_not_read(tmp_path, monkeypat
     else:
         with pytest.raises(OSError, match=words):
             reader.__enter__()
-    assert closed == [reader._file]
+    assert closed.count(reader._file) == 1  # other threads close files of theirs
     monkeypatch.undo()
     os.close(reader._file)

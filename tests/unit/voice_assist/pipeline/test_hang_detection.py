@@ -142,7 +142,7 @@ def test_on_a_machine_that_others_keep_busy_little_of_the_time_counts(busy):
 
 def test_on_that_machine_a_thread_that_hangs_is_found_in_the_end(busy):
     over = threading.Event()
-    thread = threading.Thread(target=over.wait)
+    thread = threading.Thread(target=over.wait, daemon=True)
     thread.start()
     watch, since = HangWatch(ALLOWED), time.monotonic()
     words = wait_until(lambda: watch.objection(since, time.monotonic()), every=TICK)

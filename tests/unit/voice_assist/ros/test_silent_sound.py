@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 from audio_common_msgs.msg import AudioInfo
 
+from support.waiting import PATIENCE
 from voice_assist.config import load_voice_config
 from voice_assist.ros.other_messages import audio_data_source
 from voice_assist.ros.other_messages.audio_data_source import AudioDataSource
@@ -40,8 +41,8 @@ def test_a_format_that_is_said_again_and_again_is_no_sound(monkeypatch):
         saying.start()
         hearing = threading.Thread(target=lambda: list(source), daemon=True)
         hearing.start()
-        hearing.join(5.0)
+        hearing.join(PATIENCE)
         heard = list(reports)
         is_over.set()
-        hearing.join(5.0)
+        hearing.join(PATIENCE)
     assert heard == [f"no sound on /{config.name} for 0.3 s"]

@@ -25,9 +25,18 @@ def test_a_controller_that_does_not_answer_is_named(monkeypatch):
     is_over, answers, come = threading.Event(), [], threading.Event()
     monkeypatch.setattr(rospy, "is_shutdown", is_over.is_set)
     monkeypatch.setattr(rospy, "ServiceProxy", lambda *_, **__: fail)
-    client = CommandClient(0.5, lambda answered: (answers.append(answered), come.set()))
+
+    def take(answered):
+        answers.append(answered)
+        come.set()
+        is_over.wait(10.0)
+
+    client = CommandClient(0.5, take)
     client.call("tense", may_repeat=False)
     assert come.wait(10.0)
     is_over.set()
+    for thread in threading.enumerate():
+        if thread.name == "command client":  # before rospy is the true one again
+            thread.join(10.0)
     words = "the robot's controller is missing or does not answer within 0.5 s"
     assert [(a.command, a.is_accepted, a.message) for a in answers] == [("tense", False, words)]

@@ -20,6 +20,7 @@ class PipeTransport:
     def __init__(self):
         self.socket, self.far = socket.socketpair()
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 8192)
+        self.far.settimeout(PATIENCE)
         self.done, self.stat_bytes, self.stat_num_msg = False, 0, 0
         self.endpoint_id = "somebody"
 
@@ -57,7 +58,9 @@ def message(number, size):
 def read(sock, count):
     got = b""
     while len(got) < count:
-        got += sock.recv(count - len(got))
+        piece = sock.recv(count - len(got))
+        assert piece, "the connection ended"
+        got += piece
     return got
 
 
