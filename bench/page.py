@@ -35,7 +35,7 @@ reaches its target, its bound does not. "None" in the column of targets: reporte
 the code that decides a figure was changed after it was measured, the table says so. Older results
 lack some fields: "-".
 
-What is of 28 and 30 November 2026 was measured on machines a quarter to a half slower than the rest.
+What is of 28 and 30 November 2026 was measured on machines a quarter to a half slower than others.
 """
 SAME, ALIKE = "the same decisions", "the same motions"
 TIMES = ("us", "ms", "s", "% of a core")  # units of what code that decides the same may change
