@@ -147,11 +147,8 @@ class Servo:
         """
         if self.fault or self.state is ServoState.BRAKING:
             return
-        late, allowed = now - point.stamp, self._config.lead
-        if self.state is ServoState.HOLDING and late > allowed:
-            self._refuse(
-                f"set-point stamped {late:.3f} s in the past, allowed {allowed:.3f} s", now
-            )
+        if reason := self._other_clock(point.stamp, now):
+            self._refuse(reason, now)
             return
         oldest = max(self._closed_until, self.newest_stamp, now - self._config.stale_after)
         if point.stamp <= oldest:
@@ -291,11 +288,17 @@ class Servo:
         bend = change - (change @ velocity / squared) * velocity
         return Curve(position, velocity, np.clip(bend, -self._deceleration, self._deceleration))
 
+    def _other_clock(self, stamp: float, now: float) -> str:
+        """Whether a stamp is of another clock; in motion an old one may have been held up."""
+        ahead, allowed = stamp - now, self._config.lead
+        is_behind = self.state is ServoState.HOLDING and ahead < -allowed
+        if not is_behind and ahead <= allowed:
+            return ""
+        where = "past" if is_behind else "future"
+        return f"set-point stamped {abs(ahead):.3f} s in the {where}, allowed {allowed:.3f} s"
+
     def _objection(self, point: Setpoint, now: float) -> str:
         limits = self._limits
-        if point.stamp > now + self._config.lead:
-            ahead, allowed = point.stamp - now, self._config.lead
-            return f"set-point stamped {ahead:.3f} s in the future, allowed {allowed:.3f} s"
         j = joint_kernels.outside(point.position, limits.lower, limits.upper)
         if j >= 0:
             return (
