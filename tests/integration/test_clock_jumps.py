@@ -19,7 +19,7 @@ PROGRAMS = Path(__file__).parent / "programs"
 CLOCK = PROGRAMS / "other_clock"
 JUMPS = {"both": (0.3, 30.0, -3.0), "robot": (30.0, -3.0), "controller": (30.0, -3.0)}  # [s]
 WATCHED = 280.0  # [s] for all jumps on a loaded machine
-STEP = 1e-2  # [rad] that no joint goes from one joint state to the next, 8 ms later
+STEP = 5e-3  # [rad] that no joint goes from one joint state to the next, 8 ms later
 HELD = 1e-5  # [rad] that it may go while it is held
 RCM = 1e-5  # [m]
 

@@ -40,7 +40,7 @@ class RosTestFile(pytest.File):
             yield RosTest.from_parent(self, name=tag.get("test-name"), tag=tag)
 
     def setup(self):
-        self.folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+        self.folder = tempfile.TemporaryDirectory()
         self.addfinalizer(self.folder.cleanup)
         self.host = Host(Path(self.folder.name))
         self.addfinalizer(self.host.close)

@@ -6,6 +6,8 @@ import sys
 import time
 from functools import cache
 
+from support.waiting import wait_until
+
 FAST = ("/joint_states", "/robot/servo_jp", "/robot/tension")
 ARRIVED = 1.5  # [s] after which what was sent had arrived
 ODD = """
@@ -94,8 +96,7 @@ def traffic(count):
             late = rospy.Publisher("/late", Empty, latch=True, queue_size=1)
             late.publish()
         rate.sleep()
-    while not all(topic.get_num_connections() for topic in (odd, late or odd)):
-        rospy.sleep(0.05)
+    wait_until(lambda: odd.get_num_connections() and late.get_num_connections(), "the recorder")
     end = time.time() + ARRIVED
     while not written or written[-1].data.to_sec() < end:
         rospy.sleep(0.05)

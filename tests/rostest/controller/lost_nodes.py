@@ -65,7 +65,7 @@ class LostNodes(unittest.TestCase):
         self.addCleanup(beat.shutdown)
         self.robot.start_fresh()
         self.tense()
-        self.robot.wait(lambda: self.robot.state.tissue_held and self.robot.tension > 0.2)
+        self.robot.wait(lambda: self.robot.state.phase == "pull" and self.robot.tension > 0.2)
         kill("robot")
         self.robot.wait_for_state("faulted", limit=5)
         self.robot.activate()  # `respawn` has started it again: at home, with nothing held

@@ -72,7 +72,7 @@ class StopInMotion(RobotTest):
 
     def test_grip_is_kept_when_stopped_while_pulling(self):
         self.robot.say("tense")
-        self.robot.wait(lambda: self.robot.state.tissue_held and self.robot.tension > 0.1)
+        self.robot.wait(lambda: self.robot.state.phase == "pull" and self.robot.tension > 0.1)
         self.robot.say("stop")
         self.assert_halts()
         self.assertTrue(self.robot.state.tissue_held)

@@ -121,6 +121,7 @@ def test_trouble_is_reported_once_and_its_end_too(player, device, reported):
     device.wait_for(4)
     wait_until(lambda: reported == ["no sound device", ""])
     player.__exit__()
+    assert reported == ["no sound device", ""]
 
 
 class Speaker:
