@@ -46,6 +46,25 @@ def test_it_stays_where_the_guard_stopped_it_and_says_why(rig):
     assert "did not run" in rig.bridge.fault(rig.now)
 
 
+def test_without_a_guard_it_brakes_the_arm_itself(rig, monkeypatch):
+    """Nobody has braked meanwhile, so nothing of the braking is left out."""
+    ready, hardware, speeds = rig.bridge._ready, rig.bridge._hardware, []
+    stop = hardware.stop
+    monkeypatch.setattr(ready, "guard", -np.inf)
+    monkeypatch.setattr(rig.bridge, "on_guard", lambda _: None)
+    monkeypatch.setattr(ready, "_unguarded", lambda _: "")  # none is required
+    monkeypatch.setattr(rig, "_guarded", lambda _: None)
+    rig.lost = "bridge"
+    rig.run(0.3)
+    assert rig.speed > 0.05
+    rig.lost = None
+    monkeypatch.setattr(hardware, "stop", lambda: (speeds.append(rig.speed), stop()))
+    rig.run(0.5)
+    monkeypatch.undo()
+    assert "did not run" in rig.bridge.fault(rig.now)
+    assert speeds[0] < 1e-3  # the driver's stop follows once the arm has come to rest
+
+
 def test_one_that_its_guard_does_not_hear_brakes_and_says_so(rig, monkeypatch):
     # A connection that was never opened, or a name not believed
     monkeypatch.setattr(rig.guard, "heard", lambda *_: None)

@@ -264,7 +264,7 @@ class Bridge:
         if overslept := self._overslept(idle):
             servo.fail(overslept, now)
             self._plan = self.brake_plan(self._config.guard.silence)
-            if self._plan is not None:
+            if self._plan is not None and self._ready.hears_guard(now - idle):
                 self._plan.pass_over(now)  # the guard has sent them
             self._stop(now)
         elif self._follower.objection:

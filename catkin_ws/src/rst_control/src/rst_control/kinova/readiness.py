@@ -73,6 +73,10 @@ class Readiness:
         sent = float(np.abs(last.sent).max())  # not zero where it makes up for the joints' noise
         return sent <= self._config.arm.rest_speed and self.is_at_rest(now)
 
+    def hears_guard(self, now: float) -> bool:
+        """Whether the guard's last beat is not too old at a time [s]."""
+        return now - self.guard <= self._config.guard.silence
+
     def objection(self, now: float) -> str:
         """Why the arm may not be led at a time [s]; empty: it may."""
         if self.arm is None:
@@ -91,7 +95,7 @@ class Readiness:
             return ""
         if not np.isfinite(self.guard):
             return NO_GUARD
-        silent = now - self.guard
-        if silent <= guard.silence:
+        if self.hears_guard(now):
             return ""
+        silent = now - self.guard
         return f"the stop guard is silent for {silent:.2f} s, allowed {guard.silence:.2f} s"
