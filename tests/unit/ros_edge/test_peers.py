@@ -106,6 +106,36 @@ def test_a_master_elsewhere_is_lost_when_nobody_is_there_or_nobody_answers(syste
     assert seen(watched, MASTER) == UNREACHABLE
 
 
+def test_a_node_that_is_wanted_again_is_not_the_process_that_it_was(system):
+    watched = Peers()
+    system.add("/panel", 7)
+    watched.want({"/panel"})
+    assert seen(watched, "/panel") == ""
+    watched.want(())  # its motion is over
+    system.here[7].words = ENDED
+    system.add("/panel", 8)
+    watched.want({"/panel"})
+    assert watched.state("/panel") == ""
+    assert seen(watched, "/panel") == ""
+    system.here[8].words = ENDED
+    assert watched.state("/panel") == ENDED
+
+
+def test_what_is_found_too_late_is_not_kept(system, monkeypatch):
+    watched = Peers()
+    system.add("/panel", 7)
+    watched.want({"/panel"})
+
+    def process_of(pid, _):
+        watched.want(())  # it is not wanted any more once the answer is there
+        return system.here[pid]
+
+    monkeypatch.setattr(peers, "process_of", process_of)
+    watched.step()
+    system.here[7].words = ENDED
+    assert watched.state("/panel") == ""
+
+
 def test_who_is_not_wanted_any_more_is_forgotten(system):
     watched = Peers()
     for k in range(50):

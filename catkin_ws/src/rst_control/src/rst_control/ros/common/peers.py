@@ -7,7 +7,7 @@ Nodes elsewhere, or in another container, are not found; what is known of them a
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from typing import Final
 from urllib.parse import urlsplit
@@ -32,17 +32,24 @@ class Peers:
     """
 
     def __init__(self) -> None:
+        self._lock = threading.Lock()  # of the next two
         self._wanted: frozenset[str] = frozenset()
         self._processes: dict[str, Process] = {}
         self._news = threading.Event()
         self._silences, self._master = 0, ""  # what is wrong with the master's answers
 
     def want(self, names: Iterable[str]) -> None:
-        """Look for these nodes from now on, beside the master."""
+        """Look for these nodes from now on, beside the master.
+
+        Others are forgotten: a node that is wanted again may be a new process.
+        """
         wanted = frozenset(names)
-        if wanted != self._wanted:
+        if wanted == self._wanted:
+            return
+        with self._lock:
             self._wanted = wanted
-            self._news.set()
+            self._keep(self._processes)
+        self._news.set()
 
     def state(self, name: str) -> str:
         """What has become of the master or a node; empty: it runs, or nothing is known."""
@@ -87,7 +94,12 @@ class Peers:
 
     def _note(self, name: str, pid: object, uri: str) -> None:
         """Keep the process that answers; where it is none of this host, nothing is known of it."""
-        names = self._wanted | {MASTER}
-        kept = {n: process for n, process in self._processes.items() if n in names and n != name}
         process = process_of(pid, urlsplit(uri).port or 0) if isinstance(pid, int) else None
-        self._processes = kept if process is None else {**kept, name: process}
+        with self._lock:
+            others = {n: found for n, found in self._processes.items() if n != name}
+            self._keep(others if process is None else {**others, name: process})
+
+    def _keep(self, processes: Mapping[str, Process]) -> None:
+        """Know these from now on, without those that nobody asks for."""
+        names = self._wanted | {MASTER}
+        self._processes = {name: found for name, found in processes.items() if name in names}
