@@ -122,6 +122,17 @@ def test_after_a_hold_it_begins_where_the_robot_holds():
     assert led.arm.held == 0
 
 
+def test_after_a_hold_nothing_is_added_by_where_the_arm_was_led_before():
+    led = Led().run(0.5)
+    led.robot.hold()
+    led.place = led.place + 0.3  # it was moved by hand, and set-points begin where it is
+    led.arm.sent = [led.place] * len(led.arm.sent)
+    led.arm.now += 1.0
+    for _ in range(round(0.1 / PERIOD)):
+        led.run(PERIOD)
+        np.testing.assert_allclose(led.added, 0.0, atol=1e-9)
+
+
 def test_it_is_refused_where_the_arm_answers_late():
     late = replace(CONFIG.controller.tension, delay=0.05)
     with pytest.raises(ConfigError, match=r"joint_correction\.gain"):

@@ -52,6 +52,9 @@ class JointCorrection(ChangedRobot):
     def servo_jp(self, setpoint: Setpoint) -> None:
         """Send a set-point, and the arm beyond it."""
         span = self.noted.span(setpoint.stamp)
+        if span == 0.0:  # what the former set-points led to says nothing of these
+            self.noted.start(setpoint.position)
+            self._short = np.zeros(ARM)
         self.noted.add(setpoint.stamp, setpoint.position, span)
         change = np.zeros(JOINT_COUNT)
         change[:ARM] = self._change(span)
