@@ -230,6 +230,27 @@ def test_a_refusal_is_reported_once_and_holds_until_the_situation_changes(here):
     assert not again.accepted
 
 
+def test_a_refusal_that_passes_by_itself_is_not_the_last_word(here):
+    """The robot trembled in the tick that was to take the point."""
+    point, grasp = here.node(aside=0.008), follower(here)
+    measured_js, ask, ticks = here.rig.robot.measured_js, here.registrar.ask, []
+
+    def ask_before_a_tremble(*given):
+        ticks.append(0.02 if not ticks else 0.0)
+        return ask(*given)
+
+    def measured():
+        found, speed = measured_js(), ticks[0] if ticks else 0.0
+        ticks[:1] = [0.0] if ticks else []
+        return replace(found, velocity=found.velocity + speed)
+
+    here.rig.robot.measured_js, here.registrar.ask = measured, ask_before_a_tremble
+    first, again = reported(here, grasp, point)
+    assert not first.accepted and "not at rest" in first.message
+    assert again.accepted, again.message
+    np.testing.assert_allclose(here.point, point, atol=1e-9)
+
+
 def test_a_refusal_is_reported_no_longer_once_the_point_is_active_by_another_way(here, monkeypatch):
     beside = here.first + np.array([0.0, 0.02, 0.0])
     grasp = follower(here)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from concurrent.futures import Future
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -14,7 +15,9 @@ from rst_control.registration.grasp_point import GraspPointRegistrar
 from rst_control.registration.registrar import ready
 from rst_control.registration.tracked_place import Report, SteadyPlace, is_other_way
 from rst_control.registration.trocar_context import ActiveTrocarContext
-from rst_control.types import Cause
+from rst_control.types import Cause, Reason
+
+PASSING: Final = (Reason.STALE, Reason.NOT_AT_REST)  # they end, and no situation changes by that
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,12 +39,13 @@ class Asked:
     def holds(self, serial: int) -> bool:
         """Whether it need not be asked for again in a situation.
 
-        A refusal holds while nothing changes. A point that was set holds: if another one counts
-        since, a person set it.
+        A refusal holds while nothing changes, unless it passes by itself. A point that was set
+        holds: if another one counts since, a person set it.
         """
+        refusal = self.refusal
         if self.reply.cancelled():
             return False
-        return self.refusal is None or serial == self.serial
+        return refusal is None or (serial == self.serial and refusal.reason not in PASSING)
 
 
 class TrackedGrasp:
