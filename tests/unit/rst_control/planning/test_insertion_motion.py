@@ -110,6 +110,31 @@ def test_part_way_in_it_may_turn_back(away, quick):
     assert rig.view.trocar_pose.is_outside
 
 
+def stuck_at(newtons, rig):
+    """A tension sensor that says so whatever pulls."""
+    measured_js = rig.robot.measured_js
+    rig.robot.measured_js = lambda: replace(
+        measured_js(), force=-newtons * np.array(rig.config.scene.pull_direction)
+    )
+
+
+def test_a_tension_sensor_that_is_stuck_does_not_keep_the_tool_in_the_patient(quick):
+    rig = quick().awake()
+    rig.robot.tissue = None
+    stuck_at(3.0, rig)
+    rig.run(0.5)
+    rig.finish("withdraw")
+    assert rig.view.trocar_pose.is_outside
+
+
+def test_nor_does_it_keep_the_jaws_at_tissue_that_they_have_released(quick):
+    rig = quick().awake()
+    rig.finish("tense", tension=0.5)
+    stuck_at(3.0, rig)
+    rig.finish("release")
+    assert not rig.view.measurement.gripped
+
+
 def test_jaws_that_catch_tissue_end_the_withdrawal_before_it_begins():
     rig = Rig().awake()
     rig.finish("tense")

@@ -87,6 +87,36 @@ def test_tension_over_its_limit_does_not_keep_the_robot_from_easing_it():
     assert WATCHDOGS.motion(0.0, high, replace(GOOD, raises_tension=False)) is None
 
 
+STUCK = {"tension_invalid_reason": "tension 3.00 N with nothing held, allowed 0.10 N"}
+
+
+def pulled(newtons, **changes):
+    return measured(force=np.array([0.0, 0.0, -newtons]), **changes)
+
+
+def leaving(measurement, since):
+    return WATCHDOGS.motion(0.0, measurement, replace(GOOD, easing_since=since))
+
+
+def test_a_sensor_that_is_stuck_high_does_not_keep_empty_jaws_in_the_patient():
+    assert leaving(pulled(3.0, **STUCK), since=1.0) is None
+    assert leaving(pulled(5.39, **STUCK), since=1.0) is None
+    assert leaving(pulled(5.41, **STUCK), since=1.0).reason is Reason.OVER_TENSION  # it is caught
+    assert leaving(pulled(5.41, **STUCK), since=2.0) is None
+
+
+@pytest.mark.parametrize(
+    ("since", "changes"), [(3.0, {}), (4.0, {**STUCK, "gripped": True}), (None, STUCK)]
+)
+def test_one_that_is_trusted_or_tissue_that_is_held_or_a_motion_that_loads_brakes(since, changes):
+    assert leaving(pulled(3.0, **changes), since).reason is Reason.OVER_TENSION
+
+
+def test_tissue_that_sticks_to_the_jaws_as_they_leave_brakes():
+    assert leaving(pulled(0.0), since=5.0) is None
+    assert leaving(pulled(2.5, **STUCK), since=5.0).reason is Reason.OVER_TENSION
+
+
 def test_a_robot_fault_is_distinguished_from_a_lost_robot():
     assert WATCHDOGS.robot(0.0, measured(fault="x")).reason is Reason.FAULTED
     assert WATCHDOGS.robot(0.0, None).reason is Reason.NOT_CONNECTED

@@ -266,6 +266,7 @@ class Executor:
             heartbeat_age=self._now - self._heartbeat if is_heard else None,
             owner=self.owner,
             only_opens=motion.only_opens,
+            easing_since=motion.easing_since,
         )
         self._fault(self._watchdogs.motion(self._now, self._robot.measurement, watched))
 

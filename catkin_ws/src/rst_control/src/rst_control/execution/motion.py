@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rst_control.commands.request import Plan
+from rst_control.commands.spec import Load
 from rst_control.config import ControllerConfig
 from rst_control.errors import RstError
 from rst_control.execution.guarded_pull import GuardedPull
@@ -148,6 +149,11 @@ class Motion:
     def only_opens(self) -> bool:
         """The jaws open and the arm stands still, in the next tick as well."""
         return self.phase is PhaseKind.OPEN and not self._run.is_done
+
+    @property
+    def easing_since(self) -> float | None:
+        """When the phase began [s], if the command eases the load; None: it does not."""
+        return self.phase_start if self.plan.command.load is Load.EASES else None
 
     @property
     def can_retarget(self) -> bool:

@@ -38,6 +38,7 @@ class MonitoredMotion:
     heartbeat_age: float | None  # [s] of the voice node; None: the command was not spoken
     owner: str = ""  # node that asked for it and has to stay; empty: none has
     only_opens: bool = False  # the jaws open while the arm stands still
+    easing_since: float | None = None  # [s] start of the phase of a command that eases the load
 
 
 class Watchdogs:
@@ -55,6 +56,8 @@ class Watchdogs:
         self._limits, self._sensors, self._liveness = limits, sensors, liveness
         self._settings = limits.settings
         self._delay_bound = DelayBound(limits.tension_delay)
+        self._easing_since: float | None = None  # [s] of the easing phase watched last
+        self._empty = 0.0  # [N] that empty jaws read then, if it was not to be trusted
 
     def update(self, measured: Measurement, setpoint: Vector | None, pulled: float | None) -> None:
         """Take in a new measurement; see `SensorWatch.update`."""
@@ -140,12 +143,25 @@ class Watchdogs:
         return Cause(Reason.OFF_TROCAR, words)
 
     def _tension(self, measured: Measurement, watched: MonitoredMotion) -> Cause | None:
-        allowed, ahead = self._limits.tension, self._delay_bound.ahead
+        allowed = self._limits.tension + self._read_by_empty_jaws(measured, watched.easing_since)
+        ahead = self._delay_bound.ahead
         if not watched.raises_tension or measured.tension + ahead <= allowed:
             return None
         late = f" and {ahead:.2f} N more since it was measured" if ahead >= 0.01 else ""
         words = f"tension {measured.tension:.2f} N{late}, allowed {allowed:.2f} N"
         return Cause(Reason.OVER_TENSION, words)
+
+    def _read_by_empty_jaws(self, measured: Measurement, easing_since: float | None) -> float:
+        """What a tension that is not trusted read when empty jaws began to leave: no load [N].
+
+        A sensor that is stuck there would else keep the tool in the patient.
+        """
+        if easing_since != self._easing_since:
+            self._easing_since = easing_since
+            is_known = bool(measured.tension_invalid_reason) and not measured.gripped
+            is_load = easing_since is None or not is_known
+            self._empty = 0.0 if is_load else max(0.0, measured.tension)
+        return self._empty
 
     def _grip(self, measured: Measurement, watched: MonitoredMotion) -> Cause | None:
         has_slipped = watched.needs_grip and not measured.gripped
