@@ -96,7 +96,7 @@ class Rig(LockStep):
         """Begin a motion along a path."""
         phase = self.along(PhaseKind.REACH, path, self.config.controller.speed.tip_speed)
         plan = Plan(COMMANDS["tense"], "moves", (phase,))
-        self.executor.post(Order(plan, self.executor.snapshot.serial))
+        self.executor.post(Order(plan, self.executor.snapshot.serial, self.executor.latches))
         self.tick()
         return phase
 

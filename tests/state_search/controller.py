@@ -198,7 +198,7 @@ class Controller:
         serial, running = executor._serial, executor._setpoint_state.motion
         outcomes = [""] * len(given.orders)
         for n, order in enumerate(given.orders):
-            executor.post(_order(order, serial, outcomes, n))
+            executor.post(_order(order, serial, executor.latches, outcomes, n))
         if given.is_stopped:
             executor.stop(Cause(Reason.STOP_TOPIC, "stop"))
         if given.is_changed:
@@ -240,7 +240,7 @@ def _nothing():
     pass
 
 
-def _order(given, serial, outcomes, n):
+def _order(given, serial, latches, outcomes, n):
     def reply(answer):
         outcomes[n] = "accepted" if answer.accepted else "refused"
 
@@ -252,6 +252,7 @@ def _order(given, serial, outcomes, n):
     return Order(
         plan_of(given.command),
         of if is_motion else -1,
+        latches,
         given.is_spoken,
         OWNER,
         reply=reply,

@@ -18,7 +18,6 @@ from rst_control.commands.spec import Role
 from rst_control.commands.table import COMMANDS
 from rst_control.execution import executor, state_machine
 from rst_control.execution.executor import Executor
-from rst_control.execution.inbox import Inbox
 from rst_control.execution.motion import Motion
 from rst_control.supervision.watchdogs import Watchdogs
 from rst_control.types import ControllerMode, State
@@ -174,7 +173,7 @@ def a_set_point_that_creeps_at_rest(patch):
 
 
 def hey_robot_that_outlives_a_stop(patch):
-    patch.setattr(Inbox, "_outrun", lambda self, order: None)
+    patch.setattr(Executor, "_outrun", lambda self, order: None)
 
 
 def motion_that_does_not_brake(patch):

@@ -32,6 +32,22 @@ def test_nor_do_many_that_take_more_than_one_tick():
     assert not any(each.reply.result(0).accepted for each in pending)
 
 
+def test_nor_does_one_that_was_held_up_until_the_stop_was_taken_up(monkeypatch):
+    rig = Rig().run(0.01)
+    post = rig.executor.post
+
+    def post_late(order):
+        rig.stop()
+        rig.tick()
+        post(order)
+
+    monkeypatch.setattr(rig.executor, "post", post_late)
+    (pending,) = asked(rig)
+    rig.tick()
+    assert "stopped meanwhile" in pending.reply.result(0).message
+    assert rig.state is State.HALTED
+
+
 def test_one_that_came_after_the_stop_was_taken_up_clears_it():
     rig = Rig().run(0.01)
     asked(rig, count=10)

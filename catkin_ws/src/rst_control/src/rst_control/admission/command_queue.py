@@ -173,6 +173,7 @@ class CommandQueue:
         order = Order(
             decision.plan,
             serial,
+            queued.latches,
             queued.is_spoken,
             queued.owner,
             queued.pending.caller,

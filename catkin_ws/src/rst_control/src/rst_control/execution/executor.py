@@ -21,7 +21,7 @@ from rst_control.execution.fault_reset import FaultReset
 from rst_control.execution.inbox import Inbox
 from rst_control.execution.measured_robot import MeasuredRobot
 from rst_control.execution.motion import Motion
-from rst_control.execution.orders import GIVEN_UP, Order, Outcome, OutcomeKind
+from rst_control.execution.orders import GIVEN_UP, OUTRUN, Order, Outcome, OutcomeKind
 from rst_control.execution.setpoint import STILL, SetpointState
 from rst_control.execution.setting_plan import change_by
 from rst_control.execution.snapshot import Change, ControllerSnapshot, take_snapshot
@@ -184,8 +184,8 @@ class Executor:
         order.ended(Outcome("succeeded", ""))
 
     def _take_orders(self) -> None:
-        for order, outrun in self._inbox.take_orders():
-            refusal = mode_refusal(order.command, self._mode) or outrun
+        for order in self._inbox.take_orders():
+            refusal = mode_refusal(order.command, self._mode) or self._outrun(order)
             if refusal is not None:
                 self._refuse(order, refusal)
             elif order.serial != self._serial and order.stale is not None:
@@ -200,6 +200,12 @@ class Executor:
                 self._set_up(order)
             else:
                 self._start(order)
+
+    def _outrun(self, order: Order) -> Cause | None:
+        """Why "hey robot" clears nothing that the robot was latched by after it was given."""
+        if order.latches == self.latches or order.command.role is not Role.ACTIVATE:
+            return None
+        return Cause(Reason.HALTED, OUTRUN)
 
     def _start(self, order: Order) -> None:
         refusal = self._robot.health or self._watchdogs.owner(order.owner)

@@ -6,10 +6,9 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator
 
-from rst_control.commands.spec import Role
-from rst_control.execution.orders import OUTRUN, Order
+from rst_control.execution.orders import Order
 from rst_control.execution.snapshot import Change
-from rst_control.types import Cause, Reason, Rejected
+from rst_control.types import Cause
 
 ORDERS_PER_TICK = 4  # however many callers there are, a tick stays short
 
@@ -27,24 +26,13 @@ class Inbox:
         self.orders: deque[Order] = deque()
         self.stops: deque[tuple[Cause, float | None, str]] = deque()
         self.changes: deque[Change] = deque()
-        self._older = 0  # orders still waiting that came before the last stop
 
     def take_stops(self) -> Iterator[tuple[Cause, float | None, str]]:
         """All stops."""
         while self.stops:
-            stop = self.stops.popleft()
-            self._older = len(self.orders)
-            yield stop
+            yield self.stops.popleft()
 
-    def take_orders(self) -> Iterator[tuple[Order, Rejected | None]]:
-        """As many orders as a tick has time for, each with why a stop outran it."""
+    def take_orders(self) -> Iterator[Order]:
+        """As many orders as a tick has time for."""
         for _ in range(min(ORDERS_PER_TICK, len(self.orders))):
-            order = self.orders.popleft()
-            yield order, self._outrun(order)
-
-    def _outrun(self, order: Order) -> Rejected | None:
-        """A stop is not cleared by a "hey robot" that came before it."""
-        is_older, self._older = self._older > 0, max(0, self._older - 1)
-        if not is_older or order.command.role is not Role.ACTIVATE:
-            return None
-        return Rejected(Reason.HALTED, OUTRUN)
+            yield self.orders.popleft()

@@ -63,6 +63,7 @@ class Order:
 
     plan: Plan
     serial: int  # of the view in which it was verified
+    latches: int  # of the executor, when it was given
     is_spoken: bool = False  # it came from the voice node, whose heartbeat must go on
     owner: str = ""  # node whose loss brakes the motion; empty: it may leave
     caller: str = ""  # node that asked, for the event log
