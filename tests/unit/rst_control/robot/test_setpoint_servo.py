@@ -191,6 +191,39 @@ def test_late_setpoints_are_ignored_and_those_of_another_clock_are_a_named_fault
     assert np.array_equal(play_on(robot, 2.0, 0.2)[-1], HOME)
 
 
+@pytest.mark.parametrize("behind", [1.5 * CONFIG.stale_after, 0.99 * CONFIG.lead])
+def test_a_clock_that_is_a_little_behind_is_named_once_all_of_its_setpoints_came_late(behind):
+    robot, now = servo(), 2.0
+    while not robot.fault and now < 3.0:
+        assert np.array_equal(robot.course(now)[0], HOME)
+        robot.accept(Setpoint(HOME, STILL, now - behind), now)
+        now += CONFIG.period
+    assert f"set-points stamped {behind:.3f} s in the past for 0.15 s" in robot.fault
+    assert f"allowed {CONFIG.stale_after:.3f} s" in robot.fault
+
+
+def test_setpoints_that_are_late_now_and_then_are_no_fault(robot):
+    late = 2.0 * CONFIG.stale_after
+    for now in np.arange(2.0, 6.0, 0.5):  # one by one
+        robot.accept(Setpoint(HOME, STILL, now - late), now)
+    now = 6.0
+    while now < 8.0:  # between those that are in time
+        robot.accept(Setpoint(HOME, STILL, now - late), now)
+        robot.accept(Setpoint(HOME, STILL, now), now)
+        robot.course(now)
+        now += CONFIG.period
+    assert robot.fault == ""
+
+
+@pytest.mark.parametrize(("share", "is_taken"), [(1.0 + 2e-6, True), (1.005, False)])
+def test_a_plan_at_the_speed_limit_may_pass_it_by_rounding_and_no_more(robot, share, is_taken):
+    rate = np.eye(10)[6] * LIMITS.speed[6] * share
+    for k in range(50):
+        stamp = CONFIG.period * k
+        robot.accept(Setpoint(HOME + rate * stamp, rate, stamp), stamp)
+    assert (robot.fault == "") is is_taken, robot.fault
+
+
 def test_a_motion_goes_on_past_a_setpoint_from_long_ago(robot):
     stream(robot, 0.5)
     robot.accept(Setpoint(HOME, STILL, 0.498 - CONFIG.lead), 0.5)

@@ -24,6 +24,8 @@ from rst_control.types import Cause, Reason, Setpoint
 Joints = NDArray[np.float64]  # (10,), [rad] or [rad/s]
 
 
+REACHED = 1.001  # times a limit: rounding, and what lies between the places a plan was judged at
+ON_TIME = (-np.inf, -np.inf)  # [s] since when set-points at rest are late, and the last of these
 START_SHARE = 0.1  # of the joints' greatest speeds, to reach a first set-point that lies elsewhere
 
 
@@ -126,6 +128,7 @@ class Servo:
         self._still = np.zeros_like(position)
         self._fade = _Fade(self._still, 0.0, 0.0)
         self._closed_until = -np.inf  # set-points stamped earlier do not count
+        self._late = ON_TIME
         self.state, self.fault = ServoState.HOLDING, ""
 
     @property
@@ -142,8 +145,9 @@ class Servo:
         """Take one set-point; one that no joint may follow raises a fault instead.
 
         Set-points are ignored while braking, while a fault is latched, and where they are stale or
-        older than the last one. At rest, those of a clock that is far behind are a fault as well:
-        nobody else would say why the robot stands.
+        older than the last one. At rest, those of a clock that is behind are a fault as well: far
+        behind at once, and less where all of them are stale for as long as `lead`. Nobody else
+        would say why the robot stands.
         """
         if self.fault or self.state is ServoState.BRAKING:
             return
@@ -152,7 +156,9 @@ class Servo:
             return
         oldest = max(self._closed_until, self.newest_stamp, now - self._config.stale_after)
         if point.stamp <= oldest:
+            self._note_late(point.stamp, now)
             return
+        self._late = ON_TIME
         if reason := self._objection(point, now):
             self._refuse(reason, now)
             return
@@ -163,6 +169,18 @@ class Servo:
             self._points.append(Setpoint(point.position, still, point.stamp - self._config.period))
             self.state = ServoState.FOLLOWING
         self._points.append(point)
+
+    def _note_late(self, stamp: float, now: float) -> None:
+        """Refuse set-points at rest once they have been stale for too long."""
+        age, allowed = now - stamp, self._config.stale_after
+        if self.state is not ServoState.HOLDING or age < allowed:
+            return
+        since, last = self._late
+        since = now if now - last > self._config.lead else since
+        self._late = since, now
+        if now - since > self._config.lead:
+            words = f"set-points stamped {age:.3f} s in the past for {now - since:.2f} s"
+            self._refuse(f"{words}, allowed {allowed:.3f} s", now)
 
     def _refuse(self, reason: str, now: float) -> None:
         self.fail(Cause(Reason.SETPOINT_REFUSED, reason).coded, now)
@@ -321,7 +339,7 @@ class Servo:
         j, speed = joint_kernels.fastest(
             point.position, point.velocity, last.position, span, allowed
         )
-        if speed <= allowed[j]:
+        if speed <= REACHED * allowed[j]:
             return self._too_sudden(point, span)
         return (
             f"{self._limits.names[j]} set-point speed {speed:.3f} rad/s, allowed {allowed[j]:.3f}"
@@ -334,7 +352,7 @@ class Servo:
             return ""
         last = self._points[-1].velocity if self._points else self._still
         j, change = joint_kernels.fastest(point.velocity, self._still, last, span, allowed)
-        if change <= allowed[j]:
+        if change <= REACHED * allowed[j]:
             return ""
         name = self._limits.names[j]
         return f"{name} set-point acceleration {change:.2f} rad/s^2, allowed {allowed[j]:.2f}"
