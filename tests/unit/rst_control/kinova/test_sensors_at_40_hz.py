@@ -16,8 +16,11 @@ PERIOD, LATE = 0.025, 0.070  # [s]
 COUNTS = np.repeat([1e-4, 2.0 * np.pi / 4096], [7, 3])  # [rad] of the encoders
 
 
-def states(rate, seconds, spoil=lambda k, m: m, jaws=None, gripped=False):
-    """Measurements of joints that swing at up to `rate` [rad/s], with their set-points."""
+def states(rate, seconds, spoil=lambda k, m: m, jaws=None, gripped=False, late=lambda k: 0.0):
+    """Measurements of joints that swing at up to `rate` [rad/s], with their set-points.
+
+    The driver's k-th message comes to the bridge `late(k)` [s] after its time.
+    """
     rng = np.random.default_rng(3)
 
     def at(time):
@@ -37,8 +40,8 @@ def states(rate, seconds, spoil=lambda k, m: m, jaws=None, gripped=False):
             position=position,
             velocity=velocity + rng.normal(0.0, 1e-3, 10),
             effort=np.zeros(10),
-            stamp=100.0 + time + rng.uniform(0.0, 0.008),
-            sent=5e8 + time,
+            stamp=100.0 + time + rng.uniform(0.0, 0.008) + late(k),
+            sent=5e8 + time + late(k),  # the bridge stamps them as they come
             gripped=gripped,
         )
         yield spoil(k, made), at(time)[0]
@@ -63,6 +66,12 @@ def with_positions(m, joints, values):
 @pytest.mark.parametrize("rate", [0.0, 0.001, 0.01, 0.1, 0.4])
 def test_good_states_are_believed(rate):
     assert objection(states(rate, 10.0)) == ""
+
+
+@pytest.mark.parametrize("rate", [0.1, 0.4])
+@pytest.mark.parametrize("late", [0.008, 0.016, 0.024])
+def test_a_state_that_the_network_holds_up_is_no_fault(rate, late):
+    assert objection(states(rate, 10.0, late=lambda k: late * (k % 5 == 3))) == ""
 
 
 def test_states_that_are_lost_now_and_then_are_no_fault():

@@ -13,6 +13,7 @@ class SensorConfig:
     """What a working sensor never says; each is explained in controller.yaml."""
 
     jump: float = number(1e-4, 0.05, "rad")
+    late: float = number(0.0, 0.1, "s")
     velocity_error: float = number(1e-4, 0.05, "rad")
     velocity_lag: float = number(0.0, 0.2, "s")
     frozen_way: float = number(1e-4, 0.05, "rad")

@@ -96,13 +96,14 @@ class SensorWatch:
     def _motion(self, last: Measurement, measured: Measurement, is_gap: bool) -> str:
         moved, span = measured.position - last.position, self._span(last, measured)
         within = max(span, self._period)  # stamps may jitter
-        excess = np.abs(moved) - self._speed * within
+        most = self._speed * (within + self._config.late)
+        excess = np.abs(moved) - most
         joint = int(excess.argmax())
         if excess[joint] > self._config.jump:
             self._drift[:] = 0.0
             return (
                 f"{JOINTS[joint]} jumped by {moved[joint]:+.4f} rad in {within * 1e3:.1f} ms, "
-                f"allowed {self._speed[joint] * within + self._config.jump:.4f}"
+                f"allowed {most[joint] + self._config.jump:.4f}"
             )
         if is_gap:
             self._drift[:], self._fast[:] = 0.0, 0.0
