@@ -209,6 +209,31 @@ def test_a_brake_that_the_driver_cannot_keep_is_refused():
         load_config(BridgeConfig, data, "bridge")
 
 
+@pytest.mark.parametrize(("silence", "is_refused"), [(0.055, True), (0.061, False)])
+def test_a_silence_within_which_a_slow_bridge_counts_as_hung_is_refused(silence, is_refused):
+    data = load_yaml(CONFIG_FOLDER / "kinova_bridge.yaml")
+    data["rate"], data["arm"]["period"], data["guard"]["silence"] = 50.0, 0.04, silence
+    if not is_refused:
+        load_config(BridgeConfig, data, "bridge")
+        return
+    with pytest.raises(ConfigError, match=r"guard\.silence is 0\.055, .*two rounds of rate 50 Hz"):
+        load_config(BridgeConfig, data, "bridge")
+
+
+@pytest.mark.parametrize("end", ["lower", "upper"])
+@pytest.mark.parametrize(("joint", "planned"), [(0, "1.5"), (1, "1.5707"), (2, "1.5707")])
+def test_a_tool_that_is_planned_beyond_where_the_bridge_leads_it_is_refused(
+    kinova, end, joint, planned
+):
+    require_drivable(kinova)
+    ends = list(getattr(kinova.bridge.tool, end))
+    ends[joint] *= 1.3 / abs(ends[joint])
+    tool = replace(kinova.bridge.tool, **{end: tuple(ends)})
+    config = replace(kinova, bridge=replace(kinova.bridge, tool=tool))
+    with pytest.raises(ConfigError, match=rf"limits\.pitch.*{planned}.*up to 1\.3 rad.*joint_"):
+        require_drivable(config)
+
+
 @pytest.mark.parametrize(("most", "is_refused"), [(1.0, False), (1.1, True)])
 def test_plans_that_the_driver_cannot_keep_are_refused_at_the_start(kinova, most, is_refused):
     data = load_yaml(CONFIG_FOLDER / "kinova_limits.yaml")

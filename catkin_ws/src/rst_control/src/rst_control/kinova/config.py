@@ -144,6 +144,9 @@ class BridgeConfig:
         """Check what no key shows alone."""
         allowed = f"at least two in arm.period, {self.arm.period:g} s"
         require(self.rate * self.arm.period >= 2.0, "rate", self.rate, allowed)
+        rounds = (self.guard.silence - BEAT_PERIOD) * self.rate  # after which it has overslept
+        allowed = f"from two rounds of rate {self.rate:g} Hz and {BEAT_PERIOD:g} s on"
+        require(rounds >= 2.0, "guard.silence", self.guard.silence, allowed)
         _require_driver_keeps("servo.brake_deceleration", self.servo.brake_deceleration, self.arm)
 
 
@@ -164,13 +167,19 @@ class KinovaConfig:
 
 
 def require_drivable(config: KinovaConfig) -> None:
-    """Check that the arm's driver changes speeds as fast as the plans do.
+    """Check that arm and tool are led by the bridge wherever, and as fast as, they are planned.
 
     Raises:
-        typed_config.ConfigError: It does not; names the joint's value and what is allowed.
+        typed_config.ConfigError: They are not; names the joint's value and what is allowed.
     """
     plans = config.limits.active.arm_acceleration
     _require_driver_keeps("limits.active.arm_acceleration", plans, config.bridge.arm)
+    led, limits = bridge_limits(config), config.limits
+    planned_to = (limits.pitch, limits.finger, limits.finger)
+    for joint, planned in enumerate(planned_to, ARM_COUNT):
+        reach = min(-led.lower[joint], led.upper[joint])
+        allowed = f"up to {reach:g} rad, which tool.lower and tool.upper leave {led.names[joint]}"
+        require(planned <= reach, "limits.pitch, limits.finger", planned, allowed)
 
 
 def _require_driver_keeps(key: str, planned: Sequence[float], arm: ArmConfig) -> None:
