@@ -7,6 +7,7 @@ import shutil
 import pytest
 
 from tests.launch.argument_places import ROOT, bases, rows, unmet
+from tests.support import launch_reading
 from tests.support.launch_reading import read
 from typed_config.launch_line import arguments
 
@@ -86,10 +87,69 @@ def test_settings_of_an_own_folder_count_where_no_argument_is_given(file, tmp_pa
     assert found["/alarms/sound/is_enabled"] is False
 
 
+def marked(settings):
+    """The same settings, with each value one that no launch file gives."""
+    if isinstance(settings, dict):
+        return {name: marked(value) for name, value in settings.items()}
+    return OF_A_FILE
+
+
+OF_A_FILE = "of a file"
+BY_THE_LAUNCH = {  # what the page of these arguments says, whatever the files say
+    "kinova.launch": {
+        *("/robot/simulator/mode", "/robot/kinova/driver/name", "/robot/kinova/tool/name"),
+        *("/kinova_bridge/bridge/arm/namespace", "/kinova_bridge/bridge/tool/namespace"),
+        *("/kinova_bridge/bridge/believed/arm", "/kinova_bridge/bridge/believed/tool"),
+        *("/kinova_guard/bridge/arm/namespace", "/controller/scene/trocar"),
+        *("/controller/controller/homing", "/controller/controller/first_motion"),
+        *("/controller/controller/speed/scale", "/robot/scene/trocar"),
+        *("/robot/kinova/force_sensor_topic", "/kinova_guard/bridge/believed/arm"),
+    },
+    "kinova_guard.launch": {
+        *("/kinova_guard/bridge/arm/namespace", "/kinova_guard/bridge/believed/arm"),
+    },
+}
+
+
+@pytest.mark.parametrize("file", sorted(file.name for file in LAUNCH.glob("*.launch")))
+def test_what_a_settings_file_says_counts_where_no_argument_is_given(file, monkeypatch):
+    names, parse = set(), launch_reading._parsed
+
+    def parsed(text):
+        settings = parse(text)
+        if "\n" not in text.strip():  # of a launch file
+            return settings
+        names.update(leaves(settings))
+        return marked(settings)
+
+    def of_a_file(name):
+        return any(name.endswith(leaf) for leaf in names) and "checked_settings" not in name
+
+    def leaves(settings, above=""):
+        if not isinstance(settings, dict):
+            return {above}
+        return {leaf for name in settings for leaf in leaves(settings[name], f"{above}/{name}")}
+
+    monkeypatch.setattr(launch_reading, "_parsed", parsed)
+    words = [word.replace("@kinova_limits", str(LIMITS)) for word in bases()[file]]
+    found = read([str(LAUNCH / file), *words]).parameters
+    hidden = {name for name, value in found.items() if value != OF_A_FILE and of_a_file(name)}
+    assert hidden == BY_THE_LAUNCH.get(file, set())
+
+
 def test_a_recording_that_is_named_is_heard_in_place_of_a_microphone():
     assert reading("system.launch", "wav:=/a.wav").parameters["/voice_assist/audio/source"] == "wav"
     both = reading("system.launch", "wav:=/a.wav", "source:=topic").parameters
     assert both["/voice_assist/audio/source"] == "topic"
+
+
+@pytest.mark.parametrize("file", ["system.launch", "kinova.launch"])
+def test_overrides_say_what_a_lost_recording_leads_to_also_where_none_is_made(file, tmp_path):
+    own, place = tmp_path / "own.yaml", "/controller/controller/recording/on_loss"
+    own.write_text("{controller: {recording: {on_loss: stop}}}", "utf-8")
+    assert reading(file, "record:=false").parameters[place] == "ignore"
+    own_words = ("record:=false", f"controller_overrides:={own}")
+    assert reading(file, *own_words).parameters[place] == "stop"
 
 
 def test_overrides_count_over_the_arguments_of_the_same_setting(tmp_path):
