@@ -65,7 +65,7 @@ then run the same make command again."
     $sudo env DEBIAN_FRONTEND=noninteractive $line
 }
 
-# torch_build: "cpu" or "cuda", by the variable TORCH or else by the machine's card and what the index offers.
+# torch_build: "cpu" or "cuda", by the variable TORCH or else by the machine's card and what the index, or WHEELS, offers.
 torch_build() {
     wished=$(torch_wished) || exit 1
     [ "$wished" = cpu ] || { echo cuda && return; }
@@ -92,7 +92,7 @@ has_torch() {
 torch_wished() {
     case "${TORCH:-}" in
     cpu | cuda) echo "$TORCH" ;;
-    "") if [ -e "$SYSTEM_ROOT/proc/driver/nvidia/version" ]; then echo cuda; else echo cpu; fi ;;
+    "") if [ -z "${WHEELS:-}" ] && [ -e "$SYSTEM_ROOT/proc/driver/nvidia/version" ]; then echo cuda; else echo cpu; fi ;;
     *) fail "TORCH=$TORCH, allowed: cpu, cuda, or empty to choose by the machine's card" ;;
     esac
 }

@@ -147,13 +147,15 @@ def test_another_word_for_the_choice_is_refused(tmp_path):
     assert not packages and "TORCH=gpu, allowed: cpu, cuda" in said
 
 
-def test_without_a_network_torch_is_the_build_that_was_fetched(tmp_path):
+@pytest.mark.parametrize("card", [False, True])
+def test_without_a_network_torch_is_the_build_that_was_fetched(tmp_path, card):
     other, cpu = tmp_path / "cuda", tmp_path / "cpu"
     for folder in (other, cpu):
         folder.mkdir()
     (cpu / "torch-2.13.0+cpu-cp311-cp311-manylinux_2_28_x86_64.whl").touch()
     for folder, build in ((cpu, CPU), (other, CUDA)):
-        packages, _ = chosen(tmp_path, "requirements.txt", WHEELS=str(folder))
+        at = tmp_path / f"machine of {folder.name}"
+        packages, _ = chosen(at, "requirements.txt", card=card, WHEELS=str(folder))
         assert [p for p in packages if p.startswith("torch=")] == [build]
     packages, said = chosen(tmp_path, "requirements.txt", WHEELS=str(other), TORCH="cpu")
     assert not packages and f"TORCH=cpu, but {other} has no torch 2.13.0+cpu" in said
