@@ -17,6 +17,7 @@ from typing import NoReturn
 import rospy
 
 from typed_config.errors import ConfigError
+from typed_config.ros.terminal import write_beside
 
 WRONG = 2  # status of what cannot be started as it was asked for; `respawn` goes by it
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -36,7 +37,7 @@ def starting(
 ) -> Iterator[None]:
     """Begin a node of a name; what is done within is its start.
 
-    An error that says why it cannot start is logged, and ends the process with status WRONG.
+    What it logs keeps nobody waiting. An error that says why it cannot start is logged, and ends the process with status WRONG.
 
     SIGINT and SIGTERM end a node at once while it starts, and rospy takes it off the master at the
     exit. Code that swallows the exit, as a destructor does, gets it again. Afterwards signals shut
@@ -61,6 +62,7 @@ def starting(
         signal.signal(number, end)
     try:
         rospy.init_node(name, disable_signals=True)
+        write_beside()
         if needs_clock:
             wait_for_clock()
         yield
