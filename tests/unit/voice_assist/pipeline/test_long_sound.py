@@ -56,18 +56,39 @@ def test_long_talk_is_heard_through_a_window_and_is_no_command():
     assert commands(events) == [] and len(refusals(events)) == 1
 
 
-def noisy(text, before, after):
-    """A sentence between clicks so dense that endpointing takes them for speech."""
+def clicks(seconds):
+    """So dense that endpointing takes them for speech."""
     click = np.concatenate([say("mumble", 0.0, 0.0)[:1000], np.zeros(600, np.float32)])
-    around = [np.tile(click, round(seconds * 10)) for seconds in (before, after)]
-    parts = silence(0.5), around[0], say(text, 0.12, 0.12), around[1], silence(1.0)
-    return frames(np.concatenate(parts).astype(np.float32))
+    return np.tile(click, round(seconds * 10))
+
+
+def noisy(text, before, after, *more):
+    """Sentences in one noise, which lasts `after` [s] behind each."""
+    parts = [silence(0.5), clicks(before)]
+    for one in (text, *more):
+        parts += [say(one, 0.12, 0.12), clicks(after)]
+    return frames(np.concatenate([*parts, silence(1.0)]).astype(np.float32))
 
 
 @pytest.mark.parametrize("before", [0.5, 1.4, 2.9, 3.3, 7.6, 8.2, 12.0])
 @pytest.mark.parametrize("text", ["stop", "pull more"])
 def test_a_command_between_long_noise_is_heard(text, before):
     assert commands(run(*make(), noisy(text, before, 6.0))) == [text]
+
+
+@pytest.mark.parametrize("between", [2.0, 6.0, 20.0])
+@pytest.mark.parametrize(
+    "words", [("hey robot", "pull more"), ("stop", "stop"), ("stop", "hey robot", "stop")]
+)
+def test_each_command_in_one_long_noise_is_heard(words, between):
+    events = run(*make(), noisy(words[0], 3.0, between, *words[1:]))
+    assert commands(events) == list(words)
+
+
+def test_the_end_of_a_sentence_with_less_noise_in_it_is_none():
+    events = run(*make(), noisy("pull more", 3.0, 0.8, "is what he said"))
+    assert "is what he said" not in commands(events)
+    assert commands(run(*make(), noisy("he said", 3.0, 0.3, "pull more"))) == []
 
 
 class Lapsing(FakeRecognizer):

@@ -80,7 +80,9 @@ class PartialDecoder:
 
     def restart(self, partial: PartialUtterance) -> None:
         """Go on with the rest of the utterance only."""
+        worded_at = self.worded_at
         self.reset()
+        self.worded_at = worded_at
         self._ignored_until = partial.utterance.speech_end + self._config.min_rest
 
     def __call__(

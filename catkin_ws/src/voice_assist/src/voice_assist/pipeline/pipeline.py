@@ -269,14 +269,14 @@ class Pipeline:
     def _forget_noise(self, partial: PartialUtterance, time: float) -> None:
         """Keep long noise, which the detector takes for speech, from hiding a command in it.
 
-        Talk in which one pass found nothing is no noise: were it forgotten, its last word would
+        What was said before it is over, as after a pause. Talk in which one pass found nothing is no noise: were it forgotten, its last word would
         pass for all that was said.
         """
         length = len(partial.utterance.samples) / RATE
         wordless = min(length, time - self._decoder.worded_at)
         if wordless > self._config.recognizer.early.noise_after:
             self._segmenter.forget(_KEPT_OF_NOISE)
-            self._decider.stops.start_sound()
+            self._decider.start_utterance()
 
     def _start_utterance(self) -> None:
         self._decider.start_utterance()

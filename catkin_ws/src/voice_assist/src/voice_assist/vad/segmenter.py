@@ -77,13 +77,14 @@ class Segmenter:
             self._is_whole = False
 
     def forget(self, keep: float) -> None:
-        """Drop the beginning of the utterance: nothing was said in it, it was only noise.
+        """Drop the beginning: nothing was said in it, and what follows is a breath of its own.
 
         Args:
             keep: Of the newest sound, which may begin a word [s].
         """
         if self._is_open and self._frames:
             self._keep(keep)
+            self._is_whole = True
             if self._frames:
                 self._speech_start = max(self._speech_start, self._frames[0].stamp)
 
