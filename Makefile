@@ -75,7 +75,7 @@ film: .setup/dev ## the same session as a GIF and as a video file with its sound
 	    && python -m demo --film --out "$$out" && python -m demo.film "$$out"
 
 preflight: setup ## checks of live Kinova and OpenRST drivers that move nothing; TROCAR="x y z" [SCENE=file LIMITS=file URDF=file BRIDGE=overrides.yaml TORQUES=torque_tension.yaml ROBOT=my_gen3]
-	@ip="$${ROS_IP:-127.0.0.1}"; $(RUN) export ROS_IP="$$ip" && python -m rst_control.ros.kinova.live_checks_cli $(if $(TROCAR),--trocar $(TROCAR)) \
+	@ip="$${ROS_IP:-127.0.0.1}"; $(RUN) export ROS_IP="$$ip" && python -m rst_control.ros.kinova.live_checks_cli $(if $(TROCAR),--trocar="$$TROCAR") \
 	    $(if $(SCENE),--scene "$$SCENE") $(if $(LIMITS),--limits "$$LIMITS") $(if $(URDF),--urdf "$$URDF") $(if $(BRIDGE),--bridge-overrides "$$BRIDGE") $(if $(TORQUES),--torques "$$TORQUES") $(if $(ROBOT),--arm '$(ROBOT)')
 
 check: .setup/dev ## before a change is proposed: lint, and the tests that need no node and little time

@@ -47,6 +47,14 @@ def test_the_program_itself_ends_the_launch():
         load_config_default([(str(FILE), [*TROCAR, *LIMITS, *QUIET])], None, verbose=False)
 
 
+@pytest.mark.parametrize("y", ["-2.4e-05", "8e-05", "-0.00002"])
+def test_a_trocar_of_hundredths_of_a_millimetre_is_taken_as_a_program_prints_it(y):
+    given = TROCAR[0], f"trocar_y:={y}", TROCAR[2], *LIMITS, *STOP, "simulate:=true"
+    value = given_by(*given).parameters
+    assert value["/controller/scene/trocar"] == [0.406, float(y), 0.415]
+    assert value["/robot/scene/trocar"] == [0.406, float(y), 0.415]
+
+
 def test_a_first_start_is_slow_and_asks():
     found = given_by(*TROCAR, *LIMITS, *STOP)
     value = found.parameters

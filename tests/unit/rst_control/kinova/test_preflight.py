@@ -16,7 +16,7 @@ LIMITS, SCENE = CONFIG_FOLDER / "kinova_limits.yaml", CONFIG_FOLDER / "scene.yam
 TROCAR = (0.406, -0.024, 0.415)
 SWITCHES = ("--simulate", "false", "--in-air", "false", "--dry-run", "true")
 ARGUMENTS = (
-    *(*SWITCHES, "--trocar", "0.406", "-0.024", "0.415"),
+    *(*SWITCHES, "--trocar", "0.406 -0.024 0.415"),
     *("--limits", str(LIMITS), "--scene", str(SCENE), "--speed-scale", "0.1"),
 )
 
@@ -37,6 +37,20 @@ def refused(capsys):
 def test_what_is_complete_may_start():
     words = check(True, False, TROCAR, LIMITS, SCENE, 0.1)
     assert words == "the real robot, limits kinova, speeds times 0.1"
+
+
+@pytest.mark.parametrize(
+    ("trocar", "words"),
+    [
+        ("0.406 -2.4e-05 0.415", "past the trocar"),
+        ("-2.4e-05 0.406 0.415", "past the trocar"),
+        ("0.406 -0.024", "'0.406 -0.024', allowed: three numbers, x y z"),
+        ("406 -24 415", "'406', allowed: -1.6 to 1.6 m"),
+        ("0.406 zero 0.415", "'zero', allowed: -1.6 to 1.6 m"),
+    ],
+)
+def test_a_trocar_is_three_numbers_as_a_program_prints_them(refused, trocar, words):
+    assert words in refused(f"--trocar={trocar}")
 
 
 def test_a_simulation_needs_no_emergency_stop():

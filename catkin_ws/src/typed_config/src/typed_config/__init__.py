@@ -9,6 +9,7 @@ from typed_config.common_options import (
     check_writable,
     count_option,
     number_option,
+    place_option,
     replacing,
     run_command,
 )
@@ -55,6 +56,7 @@ __all__ = [
     "package_file",
     "package_folder",
     "package_version",
+    "place_option",
     "replacing",
     "repository",
     "require",

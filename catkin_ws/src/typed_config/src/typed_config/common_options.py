@@ -139,6 +139,19 @@ def number_option(low: float, high: float = math.inf, unit: str = "") -> Callabl
     return read
 
 
+def place_option(reach: float) -> Callable[[str], tuple[float, ...]]:
+    """Type of an option that is a place, as `--trocar="0.4 -2e-5 0.4"`, each within `reach` [m]."""
+    number = number_option(-reach, reach, "m")
+
+    def read(words: str) -> tuple[float, ...]:
+        place = tuple(map(number, words.split()))
+        if len(place) != 3:
+            raise argparse.ArgumentTypeError(f"{words!r}, allowed: three numbers, x y z")
+        return place
+
+    return read
+
+
 def count_option(words: str) -> int:
     """Type of an option that is a whole number from 1."""
     if not (words.isascii() and words.isdigit() and int(words) > 0):

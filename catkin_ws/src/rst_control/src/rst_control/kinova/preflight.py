@@ -20,7 +20,7 @@ from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.joint_limits import require_ranges
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import RobotModel, load_robot
-from typed_config import ConfigError, add_common_options, load_file
+from typed_config import ConfigError, add_common_options, load_file, place_option
 
 REACH = 1.6  # [m] from base_link, beyond which no trocar is
 STOP_WORDS = (
@@ -128,7 +128,7 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="kinova_preflight", description=__doc__)
     for switch in ("--emergency-stop", "--simulate", "--in-air", "--dry-run"):
         parser.add_argument(switch, required=True, metavar="{true,false}")
-    parser.add_argument("--trocar", nargs=3, type=float, required=True)
+    parser.add_argument("--trocar", type=place_option(REACH), required=True, metavar='"X Y Z"')
     parser.add_argument("--limits", type=Path, required=True)
     parser.add_argument("--scene", type=Path, required=True)
     parser.add_argument("--urdf", type=Path, default=URDF_FILE)

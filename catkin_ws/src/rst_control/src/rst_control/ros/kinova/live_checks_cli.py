@@ -27,6 +27,7 @@ from rst_control.kinova.arm_state import ArmReport, SoftLimits
 from rst_control.kinova.config import KinovaConfig
 from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback, rows_of
 from rst_control.kinova.live_checks import LiveChecks, Observed, table
+from rst_control.kinova.preflight import REACH
 from rst_control.ros.kinova.arm_report import ask_firmware, ask_limits, read_report
 from typed_config import (
     ConfigError,
@@ -36,6 +37,7 @@ from typed_config import (
     load_yaml,
     number_option,
     overlaid,
+    place_option,
 )
 from typed_config.ros.system_names import of_this_system
 from typed_config.ros.xmlrpc import FAILURES, ask_master, master_problem
@@ -150,8 +152,7 @@ def _facts(arm: str) -> dict[str, SoftLimits | str]:
 def main(argv: Sequence[str] | None = None) -> None:
     """Observe, print, and end with 1 where something is not as it has to be; 2: not observed."""
     parser = argparse.ArgumentParser(prog="kinova_checks", description=__doc__)
-    place = number_option(-2.0, 2.0, "m")
-    parser.add_argument("--trocar", nargs=3, type=place, metavar=("X", "Y", "Z"))
+    parser.add_argument("--trocar", type=place_option(REACH), metavar='"X Y Z"')
     parser.add_argument("--limits", type=Path, default=CONFIG_FOLDER / "kinova_limits.yaml")
     parser.add_argument("--scene", type=Path, default=CONFIG_FOLDER / "scene.yaml")
     parser.add_argument("--urdf", type=Path, default=URDF_FILE, help="description of the robot")
