@@ -14,6 +14,7 @@ from voice_assist.errors import DeviceError
 from voice_assist.types import RATE
 
 MONITOR = Device("pulse:hdmi.monitor", RATE, True)
+RETRY = load_voice_config().audio.microphone.retry_after  # [s]
 USB, BUILT_IN = Device("USB Headset: Audio (hw:1,0)", 48_000, False), Device("pulse", 44_100, True)
 
 
@@ -56,6 +57,10 @@ class FakeSound:
 
 def blocks(count, size=512, value=1000):
     return [(0.0, np.full(size, value, np.int16), False)] * count
+
+
+def samples(seconds):
+    return round(seconds * RATE)
 
 
 def listen(sound, device="", attempts=5, lost_after=0.2, on_wait=None):
@@ -116,6 +121,25 @@ def test_a_lost_device_is_never_replaced_and_its_return_is_a_gap():
     assert sound.streams[0].is_closed
 
 
+def test_the_gap_runs_from_the_last_block_heard_to_the_first_after_the_loss():
+    first = (0.25, np.ones(512, np.int16), False)
+    sound = FakeSound([[BUILT_IN]], [blocks(4), [], [first, *blocks(3)]])
+    frames, _ = listen(sound, attempts=3)
+    after = 4 * 512 + samples(2 * RETRY + 0.25)
+    assert [f.first_sample for f in frames[4:]] == [after + 512 * i for i in range(4)]
+
+
+def test_a_device_that_opens_and_gives_nothing_stays_reported():
+    sound = FakeSound([[BUILT_IN]], [blocks(1), [], [], blocks(1)])
+    _, reports = listen(sound, attempts=4)
+    assert [bool(words) for words in reports] == [False, True, True, True, False, True]
+
+
+def test_a_device_that_never_gives_a_block_is_never_reported_as_right():
+    _, reports = listen(FakeSound([[BUILT_IN]], [[], []]), attempts=2)
+    assert ["no sound for 0.2 s" in words for words in reports] == [True, True]
+
+
 def test_a_device_that_cannot_be_opened_is_tried_again():
     sound = FakeSound([[BUILT_IN]], [])
     frames, reports = listen(sound, attempts=3)
@@ -130,6 +154,7 @@ def test_a_pause_of_the_stream_counts_as_lost():
     frames, reports = listen(sound, attempts=2)
     assert len(frames) == 5
     assert "gave no sound for 5.0 s" in reports[1]
+    assert frames[3].first_sample == 3 * 512 + samples(5.0 + 512 / RATE + RETRY)
 
 
 def test_an_overflow_leaves_a_gap():
@@ -270,7 +295,7 @@ def test_a_working_microphone_is_left_for_the_chosen_one_at_once_with_a_gap():
                 person.ask(microphone)
     person.wait(1)
     assert sound.opened == [BUILT_IN.name, USB.name]
-    assert len(heard) == 7 and heard[3] > 3 * 512
+    assert len(heard) == 7 and heard[3] == 10 * 512  # seven more blocks came meanwhile
 
 
 def test_a_choice_whose_caller_was_refused_for_lack_of_an_answer_is_not_made_later(monkeypatch):

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from voice_assist.audio.capture.portaudio import Backend, Device, Stream, choose, has_twin
-from voice_assist.audio.capture.pulse import PREFIX, is_monitor, pulse_sources
+from voice_assist.audio.capture.pulse import is_monitor
 from voice_assist.audio.resample import Resampler
 from voice_assist.audio.source import Clock, Framer, Report
 from voice_assist.config import MicrophoneConfig
@@ -26,7 +26,6 @@ from voice_assist.errors import DeviceError
 from voice_assist.types import RATE, Frame
 
 _QUEUE = 500  # blocks of 32 ms between the sound card's thread and the reader
-_CHECK_EVERY = 2.0  # [s] between checks that a PulseAudio source is still there
 _CHOICE_TIME = 6.0  # [s] in which a choice is taken up: one search for devices may take 2 s more
 _TWIN = "was lost, and another of its model is or was there: choose one by set_microphone"
 _OVERFLOW_GAP = 0.02  # [s] from which late sound after a reported overflow counts as lost
@@ -73,6 +72,7 @@ class Microphone:
         self._dropped = False
         self._stream: Stream | None = None
         self._framer = Framer()
+        self._heard_until: float | None = None  # [s] end of the last block; None: none came yet
         self._choices: SimpleQueue[_Choice] = SimpleQueue()
         self._is_kept = config.is_whole  # the name is that of a device, and stays
         self._has_twin = False  # another of its model was there since it was opened
@@ -113,21 +113,15 @@ class Microphone:
 
     def __iter__(self) -> Iterator[Frame]:
         """Frames until `pause` says to give up; silent while the device is lost."""
-        lost_at: float | None = None
         while True:
             try:
                 device = self._open()
-                if lost_at is not None:
-                    self._framer.skip(round((self._clock() - lost_at) * RATE))
-                lost_at = None
-                self._report("")
                 yield from self._read(device)
                 if self._choices.empty():
                     return
-                lost_at, self._was_left = self._clock(), True
+                self._was_left = True
             except DeviceError as error:
                 self._close()
-                lost_at = self._clock() if lost_at is None else lost_at
                 self._report(str(error))
                 if self._pause(self._config.retry_after):
                     return
@@ -196,24 +190,29 @@ class Microphone:
         rate = self._stream.rate
         resample = Resampler(rate)
         expected: float | None = None  # [s] when the next block should begin
-        checked = self._clock()
         while not self._pause(0.0) and self._choices.empty():
             block = self._next_block(device, is_first=expected is None)
             start = block.arrived - len(block.samples) / rate
-            late = 0.0 if expected is None else start - expected
+            if expected is None:
+                self._resume(start)
+                expected = start
+            late = start - expected
             if late > self._config.lost_after:
                 raise DeviceError(f"gave no sound for {late:.1f} s", device.name, self._names())
             if block.is_after_loss and late > _OVERFLOW_GAP:
                 self._framer.skip(round(late * RATE))
-                expected = None
-            expected = start if expected is None else expected
-            mono, self.remark = resample(block.samples), resample.remark
-            yield from self._framer.push(mono, start)
+                expected = start
             # a slow clock drift follows the arrivals; single late blocks do not
             expected = expected + len(block.samples) / rate + 0.05 * (start - expected)
-            if self._clock() - checked > _CHECK_EVERY:
-                checked = self._clock()
-                self._check_presence(device)
+            self._heard_until = expected
+            mono, self.remark = resample(block.samples), resample.remark
+            yield from self._framer.push(mono, start)
+
+    def _resume(self, start: float) -> None:
+        """The first block of an opened device began at `start` [s]; what is missing is a gap."""
+        if self._heard_until is not None:
+            self._framer.skip(round((start - self._heard_until) * RATE))
+        self._report("")
 
     def _next_block(self, device: Device, is_first: bool) -> _Block:
         seconds = self._config.open_within if is_first else self._config.lost_after
@@ -223,13 +222,6 @@ class Microphone:
             problem = f"lost: no sound for {seconds:.1f} s"
             self._close()  # devices can only be searched anew while none is open
             raise DeviceError(problem, device.name, self._names()) from None
-
-    def _check_presence(self, device: Device) -> None:
-        """A PulseAudio server may move a stream to another source when its own goes."""
-        if device.name.startswith(PREFIX):
-            found = [PREFIX + source.name for source in pulse_sources()]
-            if device.name not in found:
-                raise DeviceError("its source is gone", device.name, found)
 
     def _names(self) -> list[str]:
         self._close()

@@ -18,6 +18,7 @@ from voice_assist.audio.source import FRAME
 from voice_assist.types import RATE
 
 _LATENCY_MS = 20  # [ms] asked of the server
+_CHECK_EVERY = 2.0  # [s] between checks that a source is still there
 PREFIX = "pulse:"  # of a microphone's name: pulse:<source>
 _MONITOR = re.compile(r"\.monitor(\.\d+)?$", re.IGNORECASE)  # the server's own ending of the name
 _MOVED = "moved to device"  # how `parec` says that its sound now comes from elsewhere
@@ -39,11 +40,15 @@ class Source:
 
 def pulse_sources() -> tuple[Source, ...]:
     """All sources; empty where no server or `pactl` answers."""
-    rows = [line.split("\t") for line in _ask("list", "short", "sources")]
+    rows = _listed()
     default = [name for name in _ask("get-default-source") if not is_monitor(name)]
-    return tuple(
-        Source(row[1], _channels(row[3]), row[1] in default) for row in rows if len(row) > 3
-    )
+    return tuple(Source(row[1], _channels(row[3]), row[1] in default) for row in rows)
+
+
+def _listed() -> list[list[str]]:
+    """Rows of the server's list of sources: number, name, module, sample specification."""
+    rows = [line.split("\t") for line in _ask("list", "short", "sources")]
+    return [row for row in rows if len(row) > 3]
 
 
 def _channels(specification: str) -> int:
@@ -67,7 +72,8 @@ def _ask(*words: str) -> list[str]:
 class PulseStream:
     """Sound of one source, by `parec`; by way of PortAudio and ALSA it is 0.9 s late (measured).
 
-    A server moves a stream to another source when its own is unplugged. The sound ends then.
+    A server moves a stream to another source when its own is unplugged. The sound ends then. It
+    also ends once the server no longer lists the source.
     """
 
     rate = RATE
@@ -96,14 +102,17 @@ class PulseStream:
             start_new_session=True,
             env={**os.environ, "LC_ALL": "C"},
         )
-        self._on_block, self._channels = on_block, channels
+        self._source, self._on_block, self._channels = source, on_block, channels
+        self._is_closed = threading.Event()
         targets = self._read, self._watch
         self._threads = [threading.Thread(target=target, daemon=True) for target in targets]
         for thread in self._threads:
             thread.start()
+        threading.Thread(target=self._check, daemon=True).start()  # not joined: pactl may hang
 
     def close(self) -> None:
         """End the recording."""
+        self._is_closed.set()
         self._recorder.terminate()
         self._recorder.wait()
         for thread in self._threads:
@@ -118,6 +127,13 @@ class PulseStream:
             for line in lines:
                 if _MOVED in line:
                     self._recorder.terminate()
+
+    def _check(self) -> None:
+        """End the sound once the server lists other sources only; no answer says nothing."""
+        while not self._is_closed.wait(_CHECK_EVERY):
+            names = [row[1] for row in _listed()]
+            if names and self._source not in names:
+                self._recorder.terminate()
 
     def _read(self) -> None:
         pipe, size = self._recorder.stdout, 2 * FRAME * self._channels
