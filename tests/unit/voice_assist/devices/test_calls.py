@@ -131,17 +131,66 @@ def test_what_undoes_a_call_is_made_at_each_stop_until_it_is_done():
     assert undone(calls) == []
 
 
-def test_a_call_at_work_is_undone_once_and_again_if_it_is_done_after_that():
+NO_ANSWER = {"is_done": False, "may_have_effect": True}
+REFUSED = {"is_done": False, "may_have_effect": False}
+
+
+@pytest.mark.parametrize(
+    ("result", "again"), [({}, ["go dark"]), (NO_ANSWER, ["go dark"]), (REFUSED, [])]
+)
+def test_a_call_at_work_is_undone_once_and_again_when_it_ends_after_that(result, again):
     calls = DeviceCalls(made(*LIGHT))
-    for is_done, again in ((False, []), (True, ["go dark"])):
-        calls.said("light on")
-        light = calls.next(0.0)
-        for undos in (["go dark"], []):  # one stop, reported twice
-            calls.stopped()
-            assert undone(calls) == undos
-        end(calls, light, is_done)
+    calls.said("light on")
+    light = calls.next(0.0)
+    for undos in (["go dark"], []):  # one stop, reported twice
         calls.stopped()
-        assert undone(calls) == again
+        assert undone(calls) == undos
+    end(calls, light, **result)
+    assert undone(calls) == again
+    calls.stopped()
+    assert undone(calls) == []
+
+
+def test_a_call_that_ends_while_what_undoes_it_is_at_work_is_undone_again():
+    """Nobody knows which of the two took effect last."""
+    calls = DeviceCalls(made(*LIGHT))
+    calls.said("light on")
+    light = calls.next(0.0)
+    calls.stopped()
+    dark = calls.next_undoing(0.0)
+    end(calls, light)
+    end(calls, dark)
+    assert undone(calls, is_done=False) == ["go dark"]
+    calls.stopped()
+    assert undone(calls) == ["go dark"]
+    calls.stopped()
+    assert undone(calls) == []
+
+
+def test_what_fails_when_it_undoes_a_late_call_is_made_at_the_next_stop():
+    calls = DeviceCalls(made(*LIGHT))
+    calls.said("light on")
+    light = calls.next(0.0)
+    calls.stopped()
+    undone(calls)
+    end(calls, light)
+    for is_done in (False, True):
+        assert undone(calls, is_done) == ["go dark"]
+        calls.stopped()
+    assert undone(calls) == []
+
+
+def test_the_next_call_waits_until_a_late_one_is_undone():
+    calls = DeviceCalls(made(*LIGHT))
+    calls.said("light on")
+    light = calls.next(0.0)
+    calls.stopped()
+    undone(calls)
+    calls.said("light on")
+    end(calls, light)
+    assert begun(calls) == []
+    assert undone(calls) == ["go dark"]
+    assert begun(calls) == ["light on"]
 
 
 def test_what_waits_at_a_stop_is_dropped_and_not_undone():

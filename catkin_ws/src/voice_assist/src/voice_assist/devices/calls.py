@@ -105,18 +105,24 @@ class DeviceCalls:
         """Take in what came of a call that was given to be made.
 
         One that was done undoes the calls that name it. One that may have had an effect has to be
-        undone from now on.
+        undone from now on. It is undone at once where its undo was done meanwhile, or is at work:
+        its effect may have come after that of the undo.
         """
         call = result.call
         with self._changed:
-            has_effect = self._at_work.pop(call.phrase, None) is not None and result.may_have_effect
-            if result.is_done:
+            was_undone = self._at_work.pop(call.phrase, None) is None
+            if result.is_done and call not in self._undoing:  # the last one counts
                 for calls in (self._undone_by, self._at_work):
                     for phrase in [p for p, undo in calls.items() if undo == call.phrase]:
                         del calls[phrase]
-            if call.on_stop and (result.is_done or has_effect):
-                self._undone_by.pop(call.phrase, None)  # it is the newest now
-                self._undone_by[call.phrase] = call.on_stop
+            undo = self._config.get(call.on_stop)
+            if undo is None or not (result.is_done or result.may_have_effect):
+                return
+            self._undone_by.pop(call.phrase, None)  # it is the newest now
+            self._undone_by[call.phrase] = undo.phrase
+            if was_undone or undo.phrase in self._at_work:
+                self._undoing.append(undo)
+                self._changed.notify_all()
 
     def stopped(self) -> tuple[CallResult, ...]:
         """Drop what waits, and let what undoes the calls that were made be made.
