@@ -66,6 +66,22 @@ def timely(
     return type(request.__name__, (request,), {"serialize": serialize})
 
 
+def has_ended(proxy: rospy.ServiceProxy) -> bool:
+    """Whether the service closed the connection that a proxy keeps open, as where its node ended.
+
+    A request over it would fail, and nobody could say whether it was carried out.
+    """
+    connection = getattr(proxy.transport, "socket", None)
+    if connection is None:
+        return False
+    try:
+        return bool(connection.recv(1, socket.MSG_PEEK | socket.MSG_DONTWAIT) == b"")
+    except BlockingIOError:  # open, and nothing to read
+        return False
+    except OSError:
+        return True
+
+
 def drop(proxy: rospy.ServiceProxy) -> None:
     """Close so that a request that the network still holds back is never delivered.
 

@@ -13,7 +13,7 @@ import rospy
 
 from rst_control.srv import Command, CommandRequest
 from voice_assist.intent.dialogue import Answered
-from voice_assist.ros.service_calls import drop, in_time, timely
+from voice_assist.ros.service_calls import drop, has_ended, in_time, timely
 
 SERVICE = "rst_control/command"
 _IDLE = 1.0  # [s] between checks that the controller is there
@@ -80,10 +80,12 @@ class CommandClient:
         self.trouble = "" if found else f"{_MISSING}: no service {name}"
 
     def _ask(self, request: _Request) -> Answered:
+        if self._proxy is not None and has_ended(self._proxy):
+            self._disconnect()  # the controller may have been started anew
         was_connected = self._proxy is not None
         answered = self._once(request)
         if answered is None and was_connected and request.may_repeat:
-            answered = self._once(request)  # the controller may have been started anew
+            answered = self._once(request)  # it may have ended just now, or its host
         self.trouble = "" if answered else f"{_MISSING}: no answer from {SERVICE}"
         words = f"{_MISSING} or does not answer within {self._within:g} s"
         return answered or Answered(request.command, False, words)
@@ -100,6 +102,10 @@ class CommandClient:
 
         answered = in_time(ask, self._within)
         if answered is None:
-            self._proxy = None
-            drop(proxy)
+            self._disconnect()
         return answered
+
+    def _disconnect(self) -> None:
+        if self._proxy is not None:
+            drop(self._proxy)
+            self._proxy = None
