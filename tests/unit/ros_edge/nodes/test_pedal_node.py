@@ -9,25 +9,23 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from sensor_msgs.msg import Joy
 
-from support.waiting import PATIENCE, wait_until
 from typed_config import load_yaml
 from voice_assist.config import CONFIG_DIR
 from voice_assist.config.pedal import pedal_config
+from voice_assist.pedal import evdev
 from voice_assist.pedal.pedals import Brake, Pedals
 from voice_assist.ros.pedal import node as pedal_node
 from voice_assist.ros.pedal.node import PedalNode
-from voice_assist.ros.pedal.words import Words
 
 HELD = {"input": "button 0", "above": 0.5, "does": "dead_man", "command": ""}
 
 
-def bare_node(actions):
+def bare_node(actions, bound=HELD):
     """A node with a dead-man, without ROS."""
     node = object.__new__(PedalNode)
-    node._config = pedal_config({**load_yaml(CONFIG_DIR / "pedal.yaml"), "bindings": [HELD]})
+    node._config = pedal_config({**load_yaml(CONFIG_DIR / "pedal.yaml"), "bindings": [bound]})
     node._pedals, node._lock, node._trouble = Pedals(node._config), threading.Lock(), ""
     node._carry_out = lambda some, why_not="": actions.extend(some)
-    node._say = lambda log, *words: log(*words)
     return node
 
 
@@ -52,6 +50,41 @@ def test_a_device_that_fails_releases_the_dead_man(monkeypatch, error):
     node._read()
     assert not node._pedals.is_held
     assert isinstance(actions[0], Brake) and str(error) in actions[0].why
+
+
+def bits(length, *codes):
+    made = bytearray(length)
+    for code in codes:
+        made[code // 8] |= 1 << code % 8
+    return bytes(made)
+
+
+@pytest.mark.parametrize("source", ["button 48", "button 49", "axis 1", "axis 2"])
+@pytest.mark.parametrize("does", ["talk", "mute"])
+def test_an_input_that_a_usb_pedal_does_not_have_is_named_and_closes_the_gate(
+    monkeypatch, tmp_path, source, does
+):
+    state = {0x80604521: bits(96, 48), 0x80084523: bits(8, 1)}  # EVIOCGBIT of keys, of axes
+    monkeypatch.setattr(evdev.fcntl, "ioctl", lambda _, request, at: state.get(request, at))
+    (tmp_path / "event1").write_bytes(b"")
+    turns, said = iter([False, True]), []
+    fake = SimpleNamespace(
+        is_shutdown=lambda: next(turns),
+        loginfo=lambda *_: None,
+        logwarn=lambda words, *parts: said.append(words % parts),
+        rostime=SimpleNamespace(is_wallclock=lambda: True, wallsleep=lambda _: None),
+    )
+    monkeypatch.setattr(pedal_node, "rospy", fake)
+    monkeypatch.setattr(pedal_node, "DEVICES", tmp_path)
+    monkeypatch.setattr(pedal_node, "find", lambda _: "event1")
+    bound = {"input": source, "above": 0.5, "does": does, "command": ""}
+    node, may_talk = bare_node([], bound), []
+    node._carry_out = lambda *_: may_talk.append(node._pedals.may_talk)
+    node._read()
+    is_there = source in ("button 48", "axis 1")
+    words = f"pedal: the device has no {source}, which pedal.yaml names"
+    assert (said[0] == words) is not is_there and said.count(words) <= 1
+    assert any(may_talk) is (is_there and does == "mute")
 
 
 def connection(name, **state):
@@ -195,55 +228,11 @@ class Acting:
         node._pedals, node._lock = Pedals(node._config), threading.Lock()
         monkeypatch.setattr(node._pedals, "_clock", iter(range(1000)).__next__)
         node._trouble, node._state, node._joy, node._last_stop = "", "", None, 0.0
-        node._say = lambda log, *words: log(*words)
         node._stop = SimpleNamespace(publish=lambda _: self.acts.append("stop is published"))
         call = lambda command, may_repeat: self.acts.append(command)  # noqa: E731
         node._client = SimpleNamespace(call=call, forget=lambda: None)
         node._pedals.found()
         node._pedals.take(dict.fromkeys(("button 0", "button 1"), 0.0))
-
-
-@pytest.mark.parametrize("bound", [STOP, HELD])
-def test_no_stop_waits_for_a_log_that_blocks(monkeypatch, bound):
-    acting, goes_on, is_blocked = Acting(monkeypatch, bound, MORE), threading.Event(), []
-
-    def block(words, *parts):
-        is_blocked.append(words % parts)
-        goes_on.wait()
-
-    acting.rospy.loginfo = acting.rospy.logwarn = block
-    acting.node._say = Words()
-    values = [{"button 1": 1}, {"button 0": 1}, {"button 0": 0}]  # the first blocks the log
-
-    def press():
-        for one in values:
-            with acting.node._lock:
-                acting.node._take(one)
-
-    pressing = threading.Thread(target=press, daemon=True)
-    try:
-        pressing.start()
-        wait_until(lambda: "stop is published" in acting.acts, "a stop")
-        pressing.join(PATIENCE)
-        acting.node._check()
-        wait_until(lambda: is_blocked, "a log that blocks")
-        assert not pressing.is_alive() and len(is_blocked) == 1
-    finally:
-        goes_on.set()
-    acting.node._say.close(PATIENCE)
-    assert is_blocked[0] == "pedal: pull more, by button 1" and len(is_blocked) == 2
-
-
-def test_words_that_nobody_can_write_are_lost_and_keep_nobody_waiting(monkeypatch):
-    monkeypatch.setattr("voice_assist.ros.pedal.words.KEPT", 2)
-    goes_on, written, words = threading.Event(), [], Words()
-    words(goes_on.wait)
-    for number in range(9):
-        words(written.append, number)
-    words.close(0.0)
-    goes_on.set()
-    wait_until(lambda: written, "the first word")
-    assert written[0] == 0 and len(written) < 4
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from tests.unit.voice_assist.support.alarm_scene import (
     STOPPED,
     Scene,
 )
-from voice_assist.alarms.board import Board, wake_phrases
+from voice_assist.alarms.board import FORGOTTEN_AFTER, Board, wake_phrases
 from voice_assist.alarms.presenter import event_alarm, latch_alarm, part_alarm, unheard_alarm
 from voice_assist.alarms.types import (
     ControllerEvent,
@@ -171,6 +171,43 @@ def test_a_voice_node_that_falls_silent_is_noticed_once_it_was_heard():
     assert "no word" in scene.first.cause and scene.first.priority is Priority.MEDIUM
 
 
+@pytest.mark.parametrize("said", ["", "the device is gone"])
+@pytest.mark.parametrize(
+    ("state", "priority"), [("active", Priority.MEDIUM), ("moving", Priority.HIGH)]
+)
+def test_a_pedal_node_that_hangs_is_an_alarm_also_after_one_of_its_device(said, state, priority):
+    scene = Scene().be(state=state).health("pedal: pedal", said)
+    for _ in range(30):  # [s] it speaks every second
+        scene.health("pedal: pedal", said).run(0.95)
+    assert (scene.first is None) is (not said)
+    scene.run(CONFIG.board.pedal_silent_after + 0.2)
+    for _ in range(2):
+        assert scene.first.cause.startswith("pedal: no word") and scene.first.priority is priority
+        assert "start the pedal node again" in scene.first.next_step
+        scene.run(FORGOTTEN_AFTER)
+    assert scene.health("pedal: pedal", "").first is None
+
+
+def test_a_pedal_that_was_never_there_is_no_alarm():
+    scene = Scene().health("pedal: strangers", "").run(2.0 * CONFIG.board.starting_for)
+    assert scene.first is None
+
+
+@pytest.mark.parametrize(
+    ("name", "limit"),
+    [
+        ("voice_assist: voice", CONFIG.board.voice_silent_after),
+        ("pedal: pedal", CONFIG.board.pedal_silent_after),
+    ],
+)
+def test_a_node_that_was_ended_on_purpose_sounds_no_more_once_it_is_acknowledged(name, limit):
+    scene = Scene().health(name, "").run(limit + 0.2)
+    assert scene.sounds() == [Earcon.FAULT_MEDIUM]
+    scene.event("refused", "hey robot", "x").run(10.0 * CONFIG.sound.repeat_medium)
+    assert scene.sounds().count(Earcon.FAULT_MEDIUM) == 1
+    assert "no word" in scene.first.cause and scene.board.standing[0].is_acknowledged
+
+
 def test_parts_that_are_still_starting_are_no_alarm():
     scene = Scene()
     scene.robot = RobotState(0.0, "standby")
@@ -230,7 +267,7 @@ def test_another_trouble_of_the_same_part_sounds_once():
 
 
 def test_the_alarm_of_a_part_whose_node_has_ended_goes_and_that_of_one_that_speaks_stays():
-    scene = Scene().health("pedal: pedal", "the device is gone").run(1.0)
+    scene = Scene().health("rst_control: control loop", "late").run(1.0)
     for _ in range(20):
         scene.health("rst_control: recording", "nobody records").run(1.0)
     assert [s.key for s in scene.board.standing] == ["part recording"]

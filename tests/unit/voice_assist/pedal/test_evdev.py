@@ -82,28 +82,40 @@ def test_events_are_read_until_the_device_is_gone_or_some_are_lost(tmp_path, the
 # A device that reports which keys are pressed, by a pipe whose ioctl is made up.
 
 
+def bits(length, codes):
+    """Bytes in which the bits of some codes are set."""
+    made = bytearray(length)
+    for code in codes:
+        made[code // 8] |= 1 << code % 8
+    return bytes(made)
+
+
 @pytest.fixture
 def read(tmp_path, monkeypatch):
     """News of a device of which some keys are pressed when it is opened, then some events come."""
 
-    def read(pressed, *events, axes=()):
-        bits = bytearray(96)
-        for code in pressed:
-            bits[code // 8] |= 1 << code % 8
+    def read(pressed, *events, axes=(), keys=range(768)):
+        states = {  # by request of the kernel
+            0x80604518: bits(96, pressed),  # EVIOCGKEY(96)
+            0x80604521: bits(96, keys),  # EVIOCGBIT(EV_KEY, 96)
+            0x80084523: bits(8, dict(axes)),  # EVIOCGBIT(EV_ABS, 8)
+        }
 
         def ioctl(file, request, argument):
-            if request == 0x80604518:  # EVIOCGKEY(96) of the kernel
-                return bytes(bits)
+            if request in states:
+                return states[request]
             if request == 0x80184550:  # EVIOCGABS(16) of the kernel: value, least, most and more
                 return struct.pack("6i", dict(axes)[16], -1, 1, 0, 0, 0)
+            if request == 0x8018454F:  # EVIOCGABS(15): the kernel gives 0 without that axis, too
+                return bytes(24)
             return 0
 
         monkeypatch.setattr(evdev.fcntl, "ioctl", ioctl)
         pipe = tmp_path / "event1"
         pipe.write_bytes(b"".join(EVENT.pack(1, 2, *event) for event in events))
         seen = []
-        inputs = [f"axis {code}" for code, _ in axes]
-        with EvdevReader(pipe, inputs) as reader, suppress(DeviceMissingError):
+        with EvdevReader(pipe, ["axis 15", "axis 16"]) as reader, suppress(DeviceMissingError):
+            read.inputs = reader.inputs()
             seen.extend(reader)
         return seen
 
@@ -118,8 +130,14 @@ def test_the_first_news_are_which_keys_are_pressed_already(read):
     assert later == [{"button 48": 0.0}]
 
 
+def test_the_state_at_the_start_is_of_the_inputs_that_the_device_has(read):
+    first, *_ = read([48], axes=[(16, 1)], keys=[48, 49])
+    assert first == {"button 48": 1.0, "button 49": 0.0, "axis 16": 1.0}
+    assert read.inputs == set(first)
+
+
 def test_news_have_the_time_of_their_event_and_the_state_at_the_start_none(tmp_path, monkeypatch):
-    monkeypatch.setattr(evdev.fcntl, "ioctl", lambda *_: bytes(96))
+    monkeypatch.setattr(evdev.fcntl, "ioctl", lambda *_: bits(96, range(768)))
     pipe = tmp_path / "event1"
     pipe.write_bytes(EVENT.pack(1700000000, 250000, 1, 48, 1))
     with EvdevReader(pipe) as reader:
@@ -176,6 +194,7 @@ def test_a_device_that_another_program_has_taken_is_not_read(tmp_path, monkeypat
     reader = EvdevReader(pipe, ["axis 16"])
     if words is None:
         with reader, pytest.raises(DeviceMissingError, match="the device ends"):
+            assert reader.inputs() == set()
             next(iter(reader))
     else:
         with pytest.raises(OSError, match=words):

@@ -150,6 +150,11 @@ def test_where_the_settings_leave_the_precision_open_the_one_that_heard_is_kept(
     assert config.recognizer.precision == "float32" and not warnings
 
 
+def test_parameters_that_the_node_itself_sets_are_no_settings(given):
+    own = {"opened_microphone": "pulse:headset", "has_talk_gate": True}
+    assert restore_settings({**given, **own}, None)[1] == ()
+
+
 def test_a_folder_of_recordings_loads_its_model_once(given, monkeypatch):
     loaded = []
     from voice_assist import recognizer

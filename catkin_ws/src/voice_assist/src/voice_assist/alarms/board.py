@@ -77,9 +77,14 @@ class Board:
         ask: Callable[[str], str] = lambda _: "",
     ) -> None:
         self._config, self._wakes, self._ask = config, wakes, ask
+        self._limits = {  # [s] of the parts whose silence is a fault
+            "voice": config.voice_silent_after,
+            "controller": config.controller_silent_after,
+            "pedal": config.pedal_silent_after,
+        }
         self._all: dict[str, Standing] = {}
         self._robot = RobotState(0.0, "")
-        self._seen: dict[str, float] = {}  # [s] last message of the parts whose silence is a fault
+        self._seen: dict[str, float] = {}  # [s] last message of those that were heard
         self._errors: dict[str, tuple[str, str, float]] = {}  # message, code, time [s] of each
         self._begun: float | None = None  # [s] of the first thing taken in
 
@@ -133,7 +138,7 @@ class Board:
         part = _part_of(health.name.lstrip("/").rsplit("/", 1)[-1])
         if part is None:
             return
-        if part == "voice":
+        if part in self._limits:
             self._seen[part] = now
         if health.is_error:
             self._errors[part] = health.message, health.reason_code, now
@@ -166,10 +171,8 @@ class Board:
             for part, (message, code, said) in self._errors.items()
             if part in self._seen or now - said <= FORGOTTEN_AFTER
         }
-        config = self._config
-        limits = {"voice": config.voice_silent_after, "controller": config.controller_silent_after}
         for part, seen in self._seen.items():
-            limit = limits[part]
+            limit = self._limits[part]
             if now - seen > limit:
                 errors[part] = f"no word for more than {limit:.1f} s", SILENT
         if _LATCH in self._all or "controller" in errors:

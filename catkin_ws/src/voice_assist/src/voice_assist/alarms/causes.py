@@ -171,6 +171,7 @@ PARTS: Final = {  # by a part and the code of its status; else by the code, or b
     "voice: clocks_apart": Advice("Stop by hand meanwhile; set the clocks of both hosts."),
     "voice": Advice("Stop by hand meanwhile; check the microphone."),
     "controller: silent": Advice("Free the tissue by hand; start the controller again."),
+    "pedal: silent": Advice("Stop by hand or voice meanwhile; start the pedal node again."),
     "pedal": _mild("Check the pedal and its cable; stop by hand or voice meanwhile."),
     "recording": _mild("Start the recorder before the next motion."),
     "stranger": _mild("End the program that is named; it is not believed."),

@@ -21,6 +21,8 @@ EVIOCGRAB: Final = 0x40044590  # a pedal is a keyboard: elsewhere it would type
 KEYS: Final = 768  # codes of keys; the kernel gives a bit for each
 EVIOCGKEY: Final = 2 << 30 | KEYS // 8 << 16 | 0x45 << 8 | 0x18  # which keys are pressed now
 AXES: Final = 64  # codes of axes
+EVIOCGBIT_KEY: Final = 2 << 30 | KEYS // 8 << 16 | 0x45 << 8 | 0x20 + EV_KEY  # keys that it has
+EVIOCGBIT_ABS: Final = 2 << 30 | AXES // 8 << 16 | 0x45 << 8 | 0x20 + EV_ABS  # axes that it has
 ABSINFO: Final = struct.Struct("6i")  # input_absinfo: value, and five more
 EVIOCGABS: Final = 2 << 30 | ABSINFO.size << 16 | 0x45 << 8 | 0x40  # of axis 0: where it is now
 NO_DEVICE: Final = (errno.ENOTTY, errno.EINVAL)  # it is a pipe of a test
@@ -111,18 +113,30 @@ class EvdevReader:
             rest = rest[whole:]
         raise DeviceMissingError("the device ends")
 
-    def _present_keys(self) -> Mapping[str, float]:
-        """Which keys are pressed; events tell changes only. Empty: it has no such state."""
+    def inputs(self) -> frozenset[str]:
+        """Names of the keys and axes that it has."""
+        keys = (f"button {code}" for code in self._codes(EVIOCGBIT_KEY, KEYS))
+        axes = (f"axis {code}" for code in self._codes(EVIOCGBIT_ABS, AXES))
+        return frozenset((*keys, *axes))
+
+    def _codes(self, request: int, count: int) -> frozenset[int]:
+        """Codes whose bits are set in the answer to a request."""
         try:
-            bits = fcntl.ioctl(self._file, EVIOCGKEY, bytes(KEYS // 8))
+            bits = fcntl.ioctl(self._file, request, bytes(count // 8))
         except OSError:  # it is no device, but a pipe of a test
-            return {}
-        return {f"button {code}": float(bits[code // 8] >> code % 8 & 1) for code in range(KEYS)}
+            return frozenset()
+        return frozenset(code for code in range(count) if bits[code // 8] >> code % 8 & 1)
+
+    def _present_keys(self) -> Mapping[str, float]:
+        """Which of its keys are pressed; events report changes only."""
+        pressed = self._codes(EVIOCGKEY, KEYS)
+        has = sorted(self._codes(EVIOCGBIT_KEY, KEYS))
+        return {f"button {code}": float(code in pressed) for code in has}
 
     def _present_axes(self) -> Mapping[str, float]:
         """Where the axes that count are; one that is unknown is left out."""
         found = {}
-        for code in range(AXES):
+        for code in sorted(self._codes(EVIOCGBIT_ABS, AXES)):  # of others the kernel gives 0, too
             name = f"axis {code}"
             if name in self._inputs:
                 with suppress(OSError):

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -84,7 +84,7 @@ class Pedals:
             actions += self._change(binding, self._is_pressed(binding, value))
         return tuple(actions)
 
-    def check(self, present: Mapping[str, float]) -> None:
+    def check(self, present: Collection[str]) -> None:
         """Name the inputs of the settings that a device does not have."""
         for name in self._bindings:
             if name not in present:

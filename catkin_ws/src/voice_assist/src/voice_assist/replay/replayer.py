@@ -44,7 +44,9 @@ _NEVER_ASKS = {
     "answer": "yes",
     "answer_within": 3.0,
 }
-_OTHER_PARAMETERS = ("launched", "believed", "opened_microphone", "precision")  # no sections
+_OTHER_PARAMETERS = frozenset(  # no sections
+    ("launched", "believed", "opened_microphone", "precision", "has_talk_gate")
+)
 # Sections and settings that an older recording did not have, as the node behaved without them.
 SWITCHED_OFF: dict[str, dict[str, Any]] = {
     "recognizer": {"motion_verification": -1000.0, "ask": _NEVER_ASKS, "precision": "float32"},

@@ -23,8 +23,9 @@ from voice_assist.config import (
 OPENED: Final = "~opened_microphone"  # parameter: name of the one that was opened
 PROFILE: Final = "~profile"  # parameter: the one in use
 PRECISION: Final = "~precision"  # parameter: in which the recogniser computes, for a replay
+HAS_GATE: Final = "~has_talk_gate"  # parameter: true once a pedal was heard that is the gate
 OWN: Final = frozenset(  # of parameters that the node itself sets
-    key.removeprefix("~") for key in (OPENED, PROFILE, PRECISION)
+    key.removeprefix("~") for key in (OPENED, PROFILE, PRECISION, HAS_GATE)
 )
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -26,7 +26,6 @@ from voice_assist.intent.dialogue import Answered
 from voice_assist.pedal.evdev import DEVICES, EvdevReader, devices, find
 from voice_assist.pedal.pedals import STOP, PedalAction, Pedals, Send
 from voice_assist.ros.believed import Believed
-from voice_assist.ros.pedal.words import Words
 from voice_assist.ros.robot.command_client import CommandClient
 from voice_assist.ros.robot.robot_commands import require_pedal_commands
 
@@ -34,7 +33,6 @@ TALK = "voice_assist/talk"  # std_msgs/Bool, again and again while a pedal is th
 PERIOD = 0.05  # [s] between checks of gate, dead-man and silence
 DIAGNOSTICS_EVERY = 20  # checks
 ANSWER_WITHIN = 1.0  # [s] for the controller; an older press commands nothing but a stop
-WORDS_WITHIN = 1.0  # [s] for the last words at the end
 STOP_AGAIN = 0.2  # [s] between stops while the robot moves without the dead-man
 STATE_AGE = 1.0  # [s] of the controller's newest word, from which it is gone; 50 come in a second
 NOT_FOUND = "not found yet"
@@ -43,7 +41,7 @@ NOT_FOUND = "not found yet"
 class PedalNode:
     """Joins the device and the robot's controller; what follows from its news is under one lock.
 
-    Nothing is logged under it but by `Words`: a stop never waits for a terminal.
+    What is logged under it waits for no terminal: see typed_config/ros/terminal.py.
 
     Args:
         config: Device, and what each input does.
@@ -60,7 +58,6 @@ class PedalNode:
         self._stop = rospy.Publisher("rst_control/stop", Empty, queue_size=10)
         self._talk = rospy.Publisher(TALK, Bool, queue_size=1)
         self._diagnostics = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=2)
-        self._say = Words()
         self._client = CommandClient(ANSWER_WITHIN, self._on_answer)
         self._joy: rospy.Subscriber | None = None
         self._set_by: dict[str, str] = {}  # by input, node that set it last; "": any message
@@ -88,7 +85,6 @@ class PedalNode:
     def _leave(self) -> None:
         with self._lock:
             self._carry_out(self._pedals.lost("the pedal node ends"))
-        self._say.close(WORDS_WITHIN)
 
     def _on_joy(self, message: Joy) -> None:
         values = {f"button {i}": float(value) for i, value in enumerate(message.buttons)}
@@ -97,8 +93,7 @@ class PedalNode:
             self._last_news = time.monotonic()
             if not self._pedals.is_there:
                 self._set_by.clear()
-                self._found(f"joy on {self._config.topic}")
-                self._pedals.check(values)
+                self._found(f"joy on {self._config.topic}", values)
             header = getattr(message, "_connection_header", None) or {}
             self._set_by |= dict.fromkeys(["", *values], header.get("callerid", ""))
             self._take(values, message.header.stamp.to_sec())
@@ -109,8 +104,9 @@ class PedalNode:
         while not rospy.is_shutdown():
             try:
                 with EvdevReader(DEVICES / find(self._config.device), inputs) as reader:
+                    there = reader.inputs()
                     with self._lock:
-                        self._found(self._config.device)
+                        self._found(self._config.device, there)
                     for values in reader:
                         with self._lock:
                             self._take(values, reader.stamp)
@@ -122,38 +118,43 @@ class PedalNode:
     def _on_state(self, message: ControllerState) -> None:
         self._state, self._state_at = message.state, time.monotonic()
 
-    def _found(self, name: str) -> None:
+    def _found(self, name: str, inputs: Collection[str]) -> None:
         self._pedals.found()
+        self._pedals.check(inputs)
         self._trouble = ""
-        self._say(rospy.loginfo, "pedal: %s", name)
+        rospy.loginfo("pedal: %s", name)
+        self._say_remarks()
 
     def _lost(self, why: str) -> None:
         self._carry_out(self._pedals.lost(why))
         if why != self._trouble:
-            self._say(rospy.logwarn, "pedal: %s", why)
+            rospy.logwarn("pedal: %s", why)
         self._trouble = why
 
     def _take(self, values: Mapping[str, float], stamp: float = 0.0) -> None:
         """Carry out what follows from news; its stamp is in seconds, 0: none."""
         self._carry_out(self._pedals.take(values), _age_trouble(stamp))
+        self._say_remarks()
+
+    def _say_remarks(self) -> None:
         while self._pedals.remarks:
-            self._say(rospy.logwarn, "pedal: %s", self._pedals.remarks.pop(0))
+            rospy.logwarn("pedal: %s", self._pedals.remarks.pop(0))
 
     def _carry_out(self, actions: tuple[PedalAction, ...], why_not: str = "") -> None:
         """Act, then say so; with a reason why not, only what stops the robot."""
         for action in actions:
             if not isinstance(action, Send):
                 self._publish_stop()
-                self._say(rospy.logwarn, "pedal: %s; the robot is stopped", action.why)
+                rospy.logwarn("pedal: %s; the robot is stopped", action.why)
                 continue
             words = action.command, action.input
             if why_not and action.command != STOP:
-                self._say(rospy.logwarn, "pedal: %s, by %s, is dropped: %s", *words, why_not)
+                rospy.logwarn("pedal: %s, by %s, is dropped: %s", *words, why_not)
                 continue
             if action.command == STOP:
                 self._publish_stop()
             self._client.call(action.command, may_repeat=action.command == STOP)
-            self._say(rospy.loginfo, "pedal: %s, by %s", *words)
+            rospy.loginfo("pedal: %s, by %s", *words)
 
     def _publish_stop(self) -> None:
         self._last_stop = time.monotonic()
@@ -171,12 +172,11 @@ class PedalNode:
             is_moving = self._state == "moving" and now - self._state_at < STATE_AGE
             if is_unheld and is_moving and now - self._last_stop > STOP_AGAIN:
                 self._publish_stop()
-                words = "pedal: the robot moves, and the dead-man is not pressed"
-                self._say(rospy.logwarn, words)
+                rospy.logwarn("pedal: the robot moves, and the dead-man is not pressed")
 
     def _on_answer(self, answered: Answered) -> None:
         log = rospy.loginfo if answered.is_accepted else rospy.logwarn
-        self._say(log, "pedal: %s: %s", answered.command, answered.message)
+        log("pedal: %s: %s", answered.command, answered.message)
 
     def _silence(self) -> str:
         """Why a joy that was there is gone; empty: it is there, or it never was."""
