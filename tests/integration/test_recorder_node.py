@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from datetime import datetime
 from pathlib import Path
 
@@ -271,6 +271,24 @@ def test_it_closes_the_file_whatever_it_does_when_it_is_interrupted(ros, tmp_pat
         assert process.wait(PATIENCE) == 0
     assert (tmp_path / interrupted_recorder.DONE).exists()
     assert read_summary(SessionReader(tmp_path)).condition.is_closed
+
+
+def test_ctrl_c_closes_the_file_though_the_master_hangs(tmp_path):
+    ros = Ros(tmp_path)
+    ros.start_master()
+    master = ros.master.getPid()
+    with closing(ros), recorder(ros, tmp_path) as process:
+        talker = talk(ros, "until_killed")
+        wait_until(lambda: json.loads(talker.stdout.readline())["acknowledged"], "a message")
+        os.kill(master, signal.SIGSTOP)
+        try:
+            process.send_signal(signal.SIGINT)
+            assert process.wait(PATIENCE) == 0
+        finally:
+            os.kill(master, signal.SIGCONT)
+    assert f"messages in {tmp_path / 'session.mcap'}" in ros.said()
+    summary = read_summary(SessionReader(tmp_path))
+    assert summary.condition.is_closed and summary.topics["/joint_states"].messages > 0
 
 
 def test_a_wrong_setting_is_named_and_ends_the_node(ros, tmp_path):

@@ -27,6 +27,7 @@ class TopicSubscriber:
         self._exclude = [re.compile(pattern) for pattern in exclude]
         self._subscribers: dict[str, rospy.Subscriber] = {}
         self._tallies: dict[tuple[str, ...], TopicTally] = {}
+        self._is_closed = False
 
     def subscribe(self, name: str) -> None:
         """Record a topic of the master from now on, whether or not someone publishes it yet."""
@@ -50,11 +51,12 @@ class TopicSubscriber:
         return [topic for topic in topics if topic not in known]
 
     def close(self) -> None:
-        """Stop receiving."""
-        for subscriber in list(self._subscribers.values()):  # a search may still add to them
-            subscriber.unregister()
+        """Stop receiving, without the master, which may hang; rospy unregisters afterwards."""
+        self._is_closed = True
 
     def _receive(self, topic: str, message: rospy.AnyMsg) -> None:
+        if self._is_closed:
+            return
         header = message._connection_header
         key = (topic, *(header.get(field, "") for field in IDENTITY))
         tally = self._tallies.get(key)
@@ -62,7 +64,7 @@ class TopicSubscriber:
             publisher = header.get("callerid", "")
             if topic in SHARED_TOPICS and not self._namespace.has_node(publisher):
                 return
-            source = _source(topic, header, self._namespace.recorded(publisher))
+            source = _source(topic, header, self._namespace.publisher(publisher))
             tally = self._tallies[key] = self._recorder.register(source)
         self._recorder.offer(tally, message._buff)
 
