@@ -39,6 +39,12 @@ def test_topics_of_other_systems_are_left_out(topic, is_recorded):
     assert LEFT.has_topic(topic) is is_recorded
 
 
+def test_a_node_of_no_namespace_is_none_of_the_system_that_has_one():
+    assert LEFT.publisher("/left/controller") == ALONE.publisher("/controller") == "/controller"
+    assert LEFT.publisher("/controller") == "/controller of no namespace"
+    assert ALONE.publisher("/left/controller") == "/left/controller"
+
+
 @pytest.mark.parametrize(
     ("node", "is_recorded"),
     [("/left/controller", True), ("/gazebo", True), ("/right/controller", False)],

@@ -159,6 +159,18 @@ def test_no_state_of_a_part_hides_its_error(extracted, levels):
     assert health.worst_time == pytest.approx(float(levels.index(2)))
 
 
+def test_the_state_of_another_systems_part_of_the_same_name_stands_by_itself(extracted):
+    story = Story()
+    status = class_of("diagnostic_msgs/DiagnosticStatus")
+    for time, level, publisher in ((1.0, 0, "/arm"), (2.0, 2, "/arm of no namespace")):
+        said = [status(name="arm", level=level, message=f"level {level}")]
+        story.say(time, "/diagnostics", "diagnostic_msgs/DiagnosticArray", status=said)
+        last = story.messages[-1]
+        story.messages[-1] = last._replace(source=replace(last.source, publisher=publisher))
+    found = {h.name: h.worst for h in extracted(story.messages).health}
+    assert found == {"arm": 0, "arm of no namespace": 2}
+
+
 def test_an_empty_recording_has_nothing(extracted):
     data = extracted(())
     assert data.heard == [] and data.joints is None and data.recording.messages == 0

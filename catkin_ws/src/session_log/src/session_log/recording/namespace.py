@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 ROOT: Final = "/"
+ELSEWHERE: Final = " of no namespace"  # behind the names of such nodes, where the system has one
 # Topics that all systems of a master share.
 SHARED_TOPICS: Final = frozenset({"/rosout", "/diagnostics", "/tf", "/tf_static", "/clock"})
 
@@ -33,6 +34,10 @@ class Namespace:
     def recorded(self, name: str) -> str:
         """A topic or node of the master as the recording has it."""
         return "/" + name.removeprefix(self.name) if name.startswith(self.name) else name
+
+    def publisher(self, node: str) -> str:
+        """Who published, as the recording names it; a node elsewhere is none of this system."""
+        return self.recorded(node) if node.startswith(self.name) else node + ELSEWHERE
 
     def has_topic(self, name: str) -> bool:
         """Whether a topic of the master is recorded. Without a namespace all are."""

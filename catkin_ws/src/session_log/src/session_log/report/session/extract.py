@@ -17,7 +17,7 @@ from session_log.mcap_file.bulk import Batch
 from session_log.mcap_file.decoder import Decoder, MissingField, Undecodable
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import MessageCounter, RecordingSummary
-from session_log.recording.namespace import ROOT, Namespace
+from session_log.recording.namespace import ELSEWHERE, ROOT, Namespace
 from session_log.report.session.controller_words import controller_words
 from session_log.report.session.fast_topics import FastTopic, LoopTopic, Take, largest_of_each
 from session_log.report.session.joint_peaks import JointPeaks
@@ -310,14 +310,16 @@ class _Extractor:
             self._picture_step += 1
 
     def _diagnostics(self, m: Any) -> None:
+        is_elsewhere = self._message.source.publisher.endswith(ELSEWHERE)
         for status in m.status:
+            name = status.name + ELSEWHERE * is_elsewhere
             level = status.level[0] if isinstance(status.level, bytes) else int(status.level)
             values = {v.key: v.value for v in status.values}
-            now = NodeHealth(status.name, level, status.message, self._now, status.message, values)
-            known = self._health.get(status.name)
+            now = NodeHealth(name, level, status.message, self._now, status.message, values)
+            known = self._health.get(name)
             if known is not None and known.severity >= now.severity:
                 now = replace(known, last_message=status.message, values=values)
-            self._health[status.name] = now
+            self._health[name] = now
 
     def _urdf(self, m: Any) -> None:
         self._data.urdf = m.data
