@@ -57,7 +57,9 @@ def do(rig, step, expected):
             rig.queue.take(given.command.phrase, "test")
         else:
             plan = rig.context.verify(request("tense"), rig.home).plan
-            rig.executor.post(Order(plan, rig.view.serial - 1, rig.executor.latches, stale=lambda: None))
+            rig.executor.post(
+                Order(plan, rig.view.serial - 1, rig.executor.latches, stale=lambda: None)
+            )
     if step.is_stopped:
         rig.executor.stop(Cause(Reason.STOP_TOPIC, "test"))
     if (waiting := rig.queue.next(0.0)) is not None:

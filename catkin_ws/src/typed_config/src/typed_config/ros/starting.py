@@ -37,7 +37,8 @@ def starting(
 ) -> Iterator[None]:
     """Begin a node of a name; what is done within is its start.
 
-    What it logs keeps nobody waiting. An error that says why it cannot start is logged, and ends the process with status WRONG.
+    What it logs keeps nobody waiting. An error that says why it cannot start is logged, and ends
+    the process with status WRONG.
 
     SIGINT and SIGTERM end a node at once while it starts, and rospy takes it off the master at the
     exit. Code that swallows the exit, as a destructor does, gets it again. Afterwards signals shut

@@ -269,8 +269,8 @@ class Pipeline:
     def _forget_noise(self, partial: PartialUtterance, time: float) -> None:
         """Keep long noise, which the detector takes for speech, from hiding a command in it.
 
-        What was said before it is over, as after a pause. Talk in which one pass found nothing is no noise: were it forgotten, its last word would
-        pass for all that was said.
+        What was said before it is over, as after a pause. Talk in which one pass found nothing is
+        no noise: were it forgotten, its last word would pass for all that was said.
         """
         length = len(partial.utterance.samples) / RATE
         wordless = min(length, time - self._decoder.worded_at)
