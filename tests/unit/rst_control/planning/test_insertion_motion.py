@@ -7,7 +7,10 @@ from functools import partial
 import numpy as np
 import pytest
 
+from bench.kinova.rig import kinova_motion
+from rst_control.kinova.config import bridge_limits, load_kinova_config
 from rst_control.registration.trocar_context import TrocarContext
+from rst_control.robot.setpoint_servo import Servo
 from rst_control.types import State
 from tests.support.changed_settings import changed
 from tests.unit.rst_control.support.executor_rig import Rig, shared, with_watchdogs
@@ -204,3 +207,21 @@ def test_a_shaft_whose_place_is_not_known_brakes(away, broken):
     rig.rest()
     assert rig.state is State.FAULTED
     assert "off the trocar" in rig.view.mode.reason
+
+
+@pytest.mark.parametrize("turn", [1.0, -1.5])  # [rad] of joint_7, which is the slowest to turn back
+def test_the_servo_of_the_real_arm_takes_a_plan_at_a_joints_speed_limit(gate, turn):
+    motion = kinova_motion({"controller": {"speed": {"scale": 1.0}}})
+    start = gate + turn * np.eye(9)[6]
+    rig = Rig(start=start, config=motion, context=TrocarContext(motion, shared()[1])).awake()
+    rig.finish("insert")
+    kinova = replace(load_kinova_config(), limits=motion.limits, scene=motion.scene)
+    limits = bridge_limits(kinova)
+    sent = [setpoint for setpoint in rig.sent if setpoint is not None]
+    servo = Servo(kinova.bridge.servo, limits, sent[0].position)
+    for setpoint in sent:
+        servo.accept(setpoint, setpoint.stamp)
+        servo.course(setpoint.stamp)
+        assert servo.fault == ""
+    fastest = max(np.abs(setpoint.velocity[6]) for setpoint in sent)
+    assert fastest == pytest.approx(limits.speed[6], rel=1e-5)
