@@ -16,7 +16,7 @@ from voice_assist.display.access_token import FREE_TRIES, LENGTH, WAIT, AccessTo
 from voice_assist.display.encoding import event
 from voice_assist.display.phase_clock import PhaseClock
 from voice_assist.display.snapshot import Picture, UtterancePart
-from voice_assist.display.theatre import DEVICE_FOR, PARTIAL_FOR, QUIET, Theatre
+from voice_assist.display.theatre import DEVICE_FOR, OWN_VOICE_FOR, PARTIAL_FOR, QUIET, Theatre
 from voice_assist.display.words import words_that_count
 
 
@@ -68,6 +68,52 @@ def test_the_level_is_the_loudest_since_the_last_snapshot(theatre):
         for level in levels:
             theatre.see_sound(level)
         assert theatre.snapshot().hearing.level == loudest
+
+
+def asked(theatre):
+    """What the page asks for, and for how long still [s]."""
+    question = theatre.snapshot().hearing.question
+    return None if question is None else (question.command, question.remaining)
+
+
+def test_a_question_stands_while_the_robot_itself_speaks_and_its_time_begins_behind(theatre, clock):
+    theatre.answer_within = 3.0
+    nothing = replace(theatre.snapshot().hearing.utterance, command="")
+    theatre.see_speaking(False)  # of before
+    theatre.see_utterance(nothing, "pull more")
+    theatre.see_speaking(True)
+    clock.now += 1.0
+    theatre.see_utterance(nothing)  # its own words
+    assert asked(theatre) == ("pull more", 2.0)
+    theatre.see_speaking(False)
+    theatre.see_utterance(nothing)
+    assert asked(theatre) == ("pull more", 3.0)
+    clock.now += 2.0
+    for is_speaking in (True, False):  # once more
+        theatre.see_speaking(is_speaking)
+    assert asked(theatre) == ("pull more", 1.0)
+    clock.now += OWN_VOICE_FOR + 0.1
+    theatre.see_utterance(nothing)
+    assert asked(theatre) is None
+
+
+@pytest.mark.parametrize("command", ["stop", "tense"])
+def test_a_command_over_its_voice_ends_the_question(theatre, command):
+    theatre.answer_within = 3.0
+    nothing = replace(theatre.snapshot().hearing.utterance, command="")
+    theatre.see_utterance(nothing, "pull more")
+    theatre.see_speaking(True)
+    theatre.see_utterance(replace(nothing, command=command))
+    assert asked(theatre) is None
+
+
+def test_a_question_that_has_lapsed_does_not_come_back(theatre, clock):
+    theatre.answer_within = 3.0
+    theatre.see_utterance(replace(theatre.snapshot().hearing.utterance, command=""), "pull more")
+    theatre.see_speaking(True)
+    clock.now += 3.1
+    theatre.see_speaking(False)
+    assert asked(theatre) is None
 
 
 @pytest.mark.parametrize(

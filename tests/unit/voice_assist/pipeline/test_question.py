@@ -12,6 +12,7 @@ from tests.unit.voice_assist.support.fake_pipeline import (
     run,
 )
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say
+from voice_assist.audio.robot_speech import RobotSpeechChange
 from voice_assist.config import load_voice_config
 from voice_assist.side_inputs import SideInputKind
 from voice_assist.types import Ask, Call, Halt, Mode, RejectionReason
@@ -237,3 +238,42 @@ def test_a_stop_beside_the_answer_counts_as_beside_a_motion(score):
 def test_a_stop_beside_what_sounds_almost_like_a_motion_counts_as_beside_one(score, done):
     events = hear("0.3 dense 0.5", None, scores=LIKE_TENSE, spotting=FakeSpotting(score), **BESIDE)
     assert actions(events) == done
+
+
+# The robot speaks of it, and the microphone hears that.
+
+
+def over_own_voice(text, *reports, **changes):
+    """A sentence, in which it is reported when the robot's own voice begins and ends [s]."""
+    pipeline, clock = make(Mode.ACTIVE, FakeRecognizer(odds=NEARLY), **ASKS, **changes)
+    heard, waiting, events = frames(say(text), start=0.0), list(reports), []
+    for frame in heard:
+        while waiting and waiting[0][0] <= frame.stamp:
+            at, is_speaking = waiting.pop(0)
+            pipeline.robot_spoke(RobotSpeechChange(is_speaking, at))
+        events += run(pipeline, clock, [frame])
+    return events
+
+
+OWN = "0.3 pull more 0.9 what"  # said by a person, then by the robot
+SPOKEN = (1.7, True), (2.3, False)
+
+
+@pytest.mark.parametrize(("pause", "counts"), [("1.2", True), ("3.2", True), ("4.5", False)])
+def test_its_own_voice_is_no_answer_and_the_time_for_one_begins_behind_it(pause, counts):
+    events = over_own_voice(f"{OWN} {pause} {YES}", *SPOKEN)
+    assert actions(events) == [Ask("pull more"), *[Call("pull more")] * counts]
+
+
+def test_what_a_person_says_behind_its_voice_drops_the_question():
+    assert commands(over_own_voice(f"{OWN} 1.2 what 0.8 {YES}", *SPOKEN)) == []
+
+
+def test_a_stop_over_its_voice_drops_the_question():
+    events = over_own_voice(f"0.3 pull more 0.9 stop 1.2 {YES}", *SPOKEN)
+    assert commands(events) == ["stop"]
+
+
+def test_a_question_waits_for_its_voice_only_once():
+    again = (5.0, True), (5.2, False)
+    assert commands(over_own_voice(f"{OWN} 4.5 {YES}", *SPOKEN, *again)) == []

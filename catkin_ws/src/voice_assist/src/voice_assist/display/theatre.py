@@ -26,6 +26,7 @@ from voice_assist.display.words import WordRule, words_that_count
 QUIET = -100.0  # [dB] of full scale, silence
 PARTIAL_FOR = 3.0  # [s] that text as it is heard is shown without more of it
 DEVICE_FOR = 10.0  # [s] that what came of a call is shown
+OWN_VOICE_FOR = 1.0  # [s] after the robot's own voice, in which what it said may be decided
 T = TypeVar("T")
 
 
@@ -75,6 +76,8 @@ class Theatre:
         self._partial: _News[str] | None = None
         self._utterance: _News[UtterancePart] | None = None
         self._question: _News[str] | None = None
+        self._has_waited = False  # the question, for the robot's own voice
+        self._speaking: _News[bool] | None = None  # the robot
         self._device: _News[str] | None = None
         self._mode = self._microphone = self._trouble = ""
         self._alarm: AlarmPart | None = None
@@ -138,9 +141,26 @@ class Theatre:
         with self._lock:
             if is_rest and self._utterance is not None and self._utterance.value.command:
                 return
-            self._question = _News(asks_for, self._clock()) if asks_for else None
+            if asks_for or utterance.command or not self._is_own_voice():
+                self._question = _News(asks_for, self._clock()) if asks_for else None
+                self._has_waited = False
             self._utterance = _News(utterance, self._clock())
             self._partial = self._device = None
+
+    def see_speaking(self, is_speaking: bool) -> None:
+        """The robot's own voice begins or has ended; a question's time begins anew then, once."""
+        with self._lock:
+            now = self._clock()
+            has_ended = not is_speaking and self._speaking is not None and self._speaking.value
+            asked = self._question_part(now)
+            if asked is not None and has_ended and not self._has_waited:
+                self._question, self._has_waited = _News(asked.command, now), True
+            self._speaking = _News(is_speaking, now)
+
+    def _is_own_voice(self) -> bool:
+        """Whether what was decided now may be what the robot itself said."""
+        spoke = self._speaking
+        return spoke is not None and (spoke.value or spoke.age(self._clock()) < OWN_VOICE_FOR)
 
     def see_device(self, words: str) -> None:
         """What came of a call to a device."""

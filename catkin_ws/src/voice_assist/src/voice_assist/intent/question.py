@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Asks once for a motion; "yes", or the motion again, does it, and all else drops it."""
+"""Asks once for a motion; "yes", or the motion again, does it, and all else drops it.
+
+The robot's own voice, which may speak of it, is no answer.
+"""
 
 from __future__ import annotations
 
@@ -24,6 +27,7 @@ class Question:
     def close(self) -> None:
         """Nothing is asked any more."""
         self._command, self._since, self._until = "", float("inf"), float("-inf")
+        self._has_waited = False  # for the robot's own voice
 
     def is_open(self, time: float) -> bool:
         """Whether what begins to be said at a time is the answer to a question."""
@@ -39,6 +43,16 @@ class Question:
         """
         self._command, self._since = command, said
         self._until = time + self._config.answer_within
+
+    def wait(self, spoken: float, audible: float) -> None:
+        """Let its time begin anew, once, where the robot itself spoke while it stood.
+
+        Args:
+            spoken: When the robot had spoken.
+            audible: Until when its voice may be heard.
+        """
+        if self.is_open(spoken) and not self._has_waited:
+            self._until, self._has_waited = audible + self._config.answer_within, True
 
     def is_about(self, command: str, time: float) -> bool:
         """Whether a command is asked for at a time."""

@@ -209,7 +209,9 @@ class Pipeline:
         outcome = verdict.outcome
         actions: tuple[Action, ...] = ()
         is_answer = self._question.is_open(utterance.speech_start)
-        self._question.close()
+        is_own = self._robot_speech.is_in(utterance.speech_start)
+        if isinstance(outcome, Match) or not is_own:
+            self._question.close()
         if isinstance(outcome, Match):
             self._decider.accept(self._config.commands.get(outcome.command), partial)
             outcome, actions = self._act(outcome)
@@ -330,6 +332,8 @@ class Pipeline:
         spoken = SideInput(SideInputKind.SPEAKING, self._next_sample, time=change.time)
         self._observer(replace(spoken, is_speaking=change.is_speaking))
         self._robot_speech.update(change)
+        if not change.is_speaking:
+            self._question.wait(change.time, change.time + self._config.audio.robot_speech.tail)
 
     def talk_changed(self, change: TalkChange) -> None:
         """Take that a pedal lets voice count from now on, or not; a stop always counts."""

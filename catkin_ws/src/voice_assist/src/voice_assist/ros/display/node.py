@@ -11,7 +11,7 @@ from contextlib import AsyncExitStack, suppress
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from std_msgs.msg import String
+from std_msgs.msg import Bool, String
 
 from rst_control.msg import ControllerState
 from typed_config import ConfigError, load_config
@@ -70,6 +70,7 @@ class DisplayNode:
             follow("voice", "voice_assist/utterance", Utterance, self._on_utterance, queue_size=10),
             follow("system", "voice_assist/device", DeviceCall, self._on_device, queue_size=10),
             follow("voice", "voice_assist/mode", Mode, self._on_mode, queue_size=1),
+            follow("speaker", "voice_assist/speaking", Bool, self._on_speaking, queue_size=10),
             follow("system", "session_log/recording", String, self._on_recording, queue_size=1),
             follow("system", "session_log/file", String, self._on_file, queue_size=1),
             follow("system", "/diagnostics", DiagnosticArray, self._on_diagnostics, queue_size=20),
@@ -113,6 +114,9 @@ class DisplayNode:
 
     def _on_device(self, message: DeviceCall) -> None:
         self._theatre.see_device(messages.device_words(message))
+
+    def _on_speaking(self, message: Bool) -> None:
+        self._theatre.see_speaking(message.data)
 
     def _on_mode(self, message: Mode) -> None:
         self._theatre.see_mode(message.mode)
