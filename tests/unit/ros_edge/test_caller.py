@@ -13,8 +13,8 @@ import rospy
 
 from rst_control.srv import Command, CommandRequest, CommandResponse
 from support.waiting import PATIENCE, wait_until
-from voice_assist.ros import service_calls
-from voice_assist.ros.service_calls import call_service, drop, in_time, timely
+from typed_config.ros import service_calls
+from typed_config.ros.service_calls import call_service, drop, in_time, timely
 
 
 def test_a_request_is_written_until_its_time_is_over_and_not_after_it():

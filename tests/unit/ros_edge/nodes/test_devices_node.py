@@ -8,12 +8,12 @@ import rospy
 from std_srvs.srv import SetBoolResponse
 
 from typed_config import ConfigError, load_yaml
+from typed_config.ros.service_calls import Reply
 from voice_assist.config import CONFIG_DIR
 from voice_assist.config.devices import DeviceCallConfig, devices_config
 from voice_assist.devices.calls import CallResult, DeviceCalls
 from voice_assist.ros.devices import targets
 from voice_assist.ros.devices.node import DevicesNode, spoken_commands
-from voice_assist.ros.service_calls import Reply
 
 LAMP = {"phrase": "light on", "kind": "service", "target": "/lamp", "within": 2.0}
 LAMP |= {"type": "std_srvs/SetBool", "arguments": "{data: true}", "on_stop": ""}

@@ -18,6 +18,7 @@ from tests.unit.ros_edge.test_caller import Service
 from tests.unit.voice_assist.display.support.theatre import STOPPED, Clock
 from typed_config import load_file, load_yaml
 from typed_config.ros import xmlrpc
+from typed_config.ros.service_calls import Reply
 from voice_assist.config import CONFIG_DIR
 from voice_assist.config.display import FILE, DisplayConfig
 from voice_assist.display.theatre import Limits, Theatre
@@ -27,7 +28,6 @@ from voice_assist.ros.display import acts as acts_module
 from voice_assist.ros.display import node as node_module
 from voice_assist.ros.display.acts import RosActs
 from voice_assist.ros.display.node import DisplayNode, NotServedError
-from voice_assist.ros.service_calls import Reply
 
 CONFIG = load_file(DisplayConfig, FILE)
 GIVEN = {

@@ -8,11 +8,11 @@ import pytest
 import rospy
 
 from typed_config import load_file
+from typed_config.ros.service_calls import Reply
 from voice_assist.config.display import FILE, DisplayConfig
 from voice_assist.display.theatre import Theatre
 from voice_assist.ros.display import pictures as pictures_module
 from voice_assist.ros.display.pictures import LARGEST, Pictures
-from voice_assist.ros.service_calls import Reply
 
 PNG = b"\x89PNG\r\n\x1a\n"
 STAMP = SimpleNamespace(to_sec=lambda: 1.0)

@@ -13,13 +13,13 @@ from rst_control.tissue.sheet import rest_points
 from tests.unit.voice_assist.support.heard import Heard
 from typed_config import load_file, load_yaml
 from typed_config.ros import xmlrpc
+from typed_config.ros.service_calls import Reply
 from voice_assist.config.believed import believed_config
 from voice_assist.config.display import FILE, DisplayConfig
 from voice_assist.display.picking import NotOnTissueError
 from voice_assist.ros.display import endoscope
 from voice_assist.ros.display import pictures as pictures_module
 from voice_assist.ros.display.pictures import Pictures
-from voice_assist.ros.service_calls import Reply
 
 CONFIG = load_file(DisplayConfig, FILE).picture
 

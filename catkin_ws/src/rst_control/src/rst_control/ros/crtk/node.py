@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import re
+import threading
 import time
 from contextlib import suppress
 from queue import Empty, Full, Queue
@@ -34,13 +35,15 @@ from rst_control.types import BASE, JOINTS, Vector
 from typed_config import ConfigError
 from typed_config.ros.known_publishers import KnownPublishers
 from typed_config.ros.private_settings import private_settings, robot_description
+from typed_config.ros.service_calls import call_service
 from typed_config.ros.starting import starting
 
 NICE = 5  # it only shows
 ARM = "gen3"  # name space of CRTK's topics, where none is given
 NAME_SPACE = r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*"
 WAITING = 5  # commands; of more the newest are refused
-ANSWER_WITHIN = 2.0  # [s] for the controller's service to be there
+ANSWER_WITHIN = 2.0  # [s] for the controller's service to be there, and to answer
+PERIOD = 0.05  # [s] between two looks at the state
 ENDS = state_command("disable").command  # waits on, whatever stops the robot after it
 DROPPED = "dropped, since a command that stops the robot came after it"
 STOPPED_AGAIN = "undone by a stop, since a command that stops the robot came after it"
@@ -71,7 +74,6 @@ class CrtkNode:
         self._twist = rospy.Publisher(f"{arm}/measured_cv", TwistStamped, queue_size=1)
         self._warning = rospy.Publisher(f"{arm}/warning", StringStamped, queue_size=10)
         self._stop = rospy.Publisher("rst_control/stop", EmptyMessage, queue_size=10)
-        self._command = rospy.ServiceProxy("rst_control/command", Command)
         self._known, by, newest = KnownPublishers(), config.believed, {"queue_size": 1}
         known, command = self._known.subscribe, f"{arm}/state_command"
         self._subscribers = [
@@ -82,12 +84,12 @@ class CrtkNode:
         ]
 
     def run(self) -> None:
-        """Give commands and publish the state until ROS shuts down."""
+        """Publish the state until ROS shuts down; commands are given in a thread of their own."""
+        threading.Thread(target=self._give_all, name="commands", daemon=True).start()
         while not rospy.is_shutdown():
             self._publish_state()
             self._known.publish_status()
-            with suppress(Empty):
-                self._give(*self._commands.get(timeout=0.05))
+            time.sleep(PERIOD)
 
     # --- from the threads of rospy
 
@@ -138,7 +140,7 @@ class CrtkNode:
         moving.twist.angular.x, moving.twist.angular.y, moving.twist.angular.z = twist[3:]
         self._twist.publish(moving)
 
-    # --- from the node's own thread
+    # --- from threads of the node's own
 
     def _publish_state(self) -> None:
         """The state, where it changed or was not sent for a while."""
@@ -154,22 +156,32 @@ class CrtkNode:
         message.is_busy = found.is_busy
         self._operating_state.publish(message)
 
+    def _give_all(self) -> None:
+        while not rospy.is_shutdown():
+            with suppress(Empty):
+                self._give(*self._commands.get(timeout=1.0))
+
     def _give(self, command: str, brakes: int) -> None:
-        """Ask the controller, as any caller; a refusal goes to CRTK's `warning`."""
-        try:
-            self._command.wait_for_service(ANSWER_WITHIN)
-            if brakes != self._brakes and command != ENDS:
-                self._warn(f"{command}: {DROPPED}")
-                return
-            answer = self._command(command)
-        except (rospy.ROSException, rospy.ServiceException) as error:
-            self._warn(f"{command}: {error}")
-            return
-        if not answer.accepted:
-            self._warn(f"{command}: refused; {answer.message}")
-        elif brakes != self._brakes and command != ENDS:  # it may have come after the stop
-            self._stop.publish(EmptyMessage())
+        """Ask the controller, as any caller; a refusal goes to CRTK's `warning`.
+
+        What it does not take in time is never sent: it would count whenever the controller wakes.
+        """
+
+        def is_void() -> bool:
+            return brakes != self._brakes and command != ENDS
+
+        service, limit = "rst_control/command", ANSWER_WITHIN
+        reply = call_service(
+            *(service, Command, command), within=limit, appears=limit, is_void=is_void
+        )
+        answer = reply.response
+        if is_void() and (reply.may_take_effect or (answer is not None and answer.accepted)):
+            self._stop.publish(EmptyMessage())  # it may have come after the stop
             self._warn(f"{command}: {STOPPED_AGAIN}")
+        elif answer is None:
+            self._warn(f"{command}: {DROPPED if is_void() else reply.trouble}")
+        elif not answer.accepted:
+            self._warn(f"{command}: refused; {answer.message}")
 
     def _warn(self, words: str) -> None:
         rospy.logwarn("crtk: %s", words)

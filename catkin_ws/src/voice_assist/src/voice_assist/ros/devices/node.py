@@ -14,6 +14,7 @@ from rst_control.msg import Event
 from typed_config import ConfigError, load_config
 from typed_config.errors import Missing
 from typed_config.ros.launch_settings import launch_settings
+from typed_config.ros.service_calls import never
 from typed_config.ros.starting import starting
 from voice_assist.config import CommandsConfig
 from voice_assist.config.devices import (
@@ -27,7 +28,6 @@ from voice_assist.errors import CommandsError
 from voice_assist.msg import DeviceCall, Utterance
 from voice_assist.ros.believed import Believed
 from voice_assist.ros.devices.targets import Target, make_target
-from voice_assist.ros.service_calls import never
 from voice_assist.text.spoken_reply import spoken_reply
 
 VOICE = "voice_assist"  # node whose parameters hold the spoken commands

@@ -14,11 +14,11 @@ from actionlib import GoalIDGenerator
 from actionlib_msgs.msg import GoalID, GoalStatus
 from genpy.message import fill_message_args
 
+from typed_config.ros.service_calls import call_service, never
 from voice_assist.config.devices import DeviceCallConfig
 from voice_assist.devices.calls import DROPPED, CallResult
 from voice_assist.errors import CommandsError
 from voice_assist.ros.devices.types import message_class, service_class
-from voice_assist.ros.service_calls import call_service, never
 
 ANSWER_FIELDS: Final = ("success", "accepted")  # of a response that may say no
 MAY_COME: Final = "; it may still be carried out"  # a request that was sent and not answered

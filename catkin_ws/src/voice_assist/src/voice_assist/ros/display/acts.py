@@ -10,6 +10,7 @@ from geometry_msgs.msg import Point, Vector3
 from std_msgs.msg import Empty
 
 from rst_control.srv import Command, SetGraspPoint
+from typed_config.ros.service_calls import Reply, call_service
 from voice_assist.display.acts import Outcome
 from voice_assist.display.picking import NotOnTissueError
 from voice_assist.display.theatre import Theatre
@@ -17,7 +18,6 @@ from voice_assist.ros.display.endoscope import Endoscope
 from voice_assist.ros.microphone_service import SERVICE as MICROPHONE
 from voice_assist.ros.question_service import SERVICE as ANSWER
 from voice_assist.ros.robot.command_client import SERVICE
-from voice_assist.ros.service_calls import Reply, call_service
 from voice_assist.srv import AnswerQuestion, SetMicrophone
 
 GRASP_POINT = "rst_control/set_grasp_point"

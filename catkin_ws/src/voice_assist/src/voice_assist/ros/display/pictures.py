@@ -11,11 +11,11 @@ import rospy
 from sensor_msgs.msg import CompressedImage
 from std_srvs.srv import Trigger
 
+from typed_config.ros.service_calls import call_service
 from voice_assist.config.display import PictureConfig
 from voice_assist.display.theatre import Theatre
 from voice_assist.ros.believed import Believed
 from voice_assist.ros.display.messages import picture_kind
-from voice_assist.ros.service_calls import call_service
 
 LARGEST = 8_000_000  # [B] of a picture
 BUFFER = 16_000_000  # [B] of the connection: the newest picture is read whole

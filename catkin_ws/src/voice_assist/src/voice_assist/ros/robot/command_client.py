@@ -12,8 +12,8 @@ from queue import Empty, Queue
 import rospy
 
 from rst_control.srv import Command, CommandRequest
+from typed_config.ros.service_calls import drop, has_ended, in_time, timely
 from voice_assist.intent.dialogue import Answered
-from voice_assist.ros.service_calls import drop, has_ended, in_time, timely
 
 SERVICE = "rst_control/command"
 _IDLE = 1.0  # [s] between checks that the controller is there
