@@ -150,7 +150,8 @@ class ControllerNode:
         self._robot: RobotBackend = following or robot
         tracked = TrackedGrasp(settings.tracking, self._context, grasp_point)
         self._tracker = TrackerLink(
-            settings.tracking, self._known, frames, self._clock, tracked, following
+            *(settings.tracking, self._known, frames, self._clock, tracked, following),
+            self._context.configured.trocar,
         )
 
     def __enter__(self) -> ControllerNode:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -13,6 +14,7 @@ from geometry_msgs.msg import Point, PointStamped, PoseStamped, Quaternion
 
 from rst_control.config.tracking import TrackingConfig
 from rst_control.kinematics.rotations import rotation_of
+from rst_control.registration.followed_trocar import NEVER, TrackedTrocar
 from rst_control.registration.frames import Array
 from rst_control.registration.tracked_grasp import TrackedGrasp
 from rst_control.registration.tracked_place import Report
@@ -39,7 +41,8 @@ class TrackerLink:
         frames: Knows other frames.
         clock: Translates stamps.
         grasp: Takes the grasp point.
-        trocar: Follows the trocar; None: it is fixed.
+        trocar: Follows the trocar; None: it is fixed, and its reports are only shown.
+        home: The trocar of the scene, x y z, base frame, [m].
     """
 
     def __init__(
@@ -50,9 +53,11 @@ class TrackerLink:
         clock: RosClock,
         grasp: TrackedGrasp,
         trocar: TrocarFollowing | None,
+        home: Sequence[float],
     ) -> None:
         self._config, self._frames, self._clock = config, frames, clock
         self._grasp, self._trocar = grasp, trocar
+        self._tracked = TrackedTrocar(config, np.array(home)) if trocar is None else trocar.tracked
         self._tracker = ""
         self._unknown_frames: dict[str, Cause] = {}  # by what is reported in them
         by = config.tracker
@@ -79,10 +84,14 @@ class TrackerLink:
             cause = self._unknown_frames.get(GRASP) or self._grasp.objection(now)
             words.append(f"grasp point: {cause.words if cause else 'taken at rest'}")
         values = {}
-        if self._trocar is not None:
-            lost = self._unknown_frames.get(TROCAR) or self._trocar.tracked.objection(now)
+        lost = self._unknown_frames.get(TROCAR) or self._tracked.objection(now)
+        if self._trocar is not None or lost is not NEVER:
             cause = lost or cause
-            words.append(f"trocar: {lost.words if lost else 'followed'}")
+            use = "shown only" if self._trocar is None else "followed"
+            words.append(f"trocar: {lost.words if lost else use}")
+            away = float(np.linalg.norm(self._tracked.shift(now)[0]))
+            values["trocar away from the scene's [mm]"] = f"{away * 1e3:.2f}"
+        if self._trocar is not None:
             values["followed by [mm]"] = f"{np.linalg.norm(self._trocar.shift) * 1e3:.2f}"
             values["trocar away from the shaft [mm]"] = f"{self._trocar.unfollowed(now) * 1e3:.2f}"
         if cause is not None:
@@ -116,8 +125,13 @@ class TrackerLink:
 
     def _on_trocar(self, message: PointStamped) -> None:
         T = self._known_frame(TROCAR, message)
-        if self._trocar is not None and T is not None:
-            self._trocar.take(self._report(message, T, message.point))
+        if T is None:
+            return
+        report = self._report(message, T, message.point)
+        if self._trocar is None:
+            self._tracked.update(report)
+        else:
+            self._trocar.take(report)
 
     def _known_frame(self, what: str, message: PointStamped | PoseStamped) -> Array | None:
         found = self._frames.in_base(message.header.frame_id, NO_WAIT)
