@@ -11,7 +11,10 @@ from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, say
 from voice_assist import assembly, recognizer
 from voice_assist.cli.enroll import EnrolRequest, enroll
 from voice_assist.config import CONFIG_DIR, load_voice_config
+from voice_assist.enrolment import build
 from voice_assist.errors import VoiceError
+from voice_assist.profile.manifest import ACTIVE, REFUSED
+from voice_assist.profile.profile import create_profile
 from voice_assist.types import RATE
 
 
@@ -71,6 +74,29 @@ def test_a_file_that_is_left_out_is_named_on_the_terminal(tmp_path, monkeypatch,
     printed = " ".join(capsys.readouterr().out.split())
     assert "tense-[b].m4a is left out: its ending is '.m4a', allowed: .wav, " in printed
     assert "stop-1.wav: good 1 takes kept" in printed
+
+
+@pytest.mark.parametrize(
+    ("state", "words"),
+    [
+        (ACTIVE, "Profile ada stays as it was, active; what was learned anew failed its check:"),
+        (REFUSED, "Profile ada was not activated:"),
+    ],
+)
+def test_the_terminal_distinguishes_a_profile_that_was_kept_from_a_refused_one(
+    tmp_path, monkeypatch, capsys, state, words
+):
+    def failed(profile, *_):
+        profile.judge(state, ("takes: 3 of 21 right",) if state == REFUSED else ())
+        return ("takes: 3 of 21 right",)
+
+    monkeypatch.setattr(recognizer, "load_recognizer", lambda *_, **__: Adaptable())
+    monkeypatch.setattr(build, "build", failed)
+    create_profile("ada", "ab" * 32, tmp_path)
+    wanted = dataclasses.replace(asked(tmp_path), wavs=None, again=True)
+    assert enroll(load_voice_config(), wanted) == 1
+    printed = " ".join(capsys.readouterr().out.split())
+    assert printed.endswith(f"{words} takes: 3 of 21 right")
 
 
 def test_the_threads_of_the_settings_hold_before_anything_is_computed(tmp_path, monkeypatch):

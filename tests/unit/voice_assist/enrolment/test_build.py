@@ -18,11 +18,12 @@ from voice_assist.enrolment.build import _require_takes as require_takes
 from voice_assist.enrolment.build import build
 from voice_assist.enrolment.learn import EnrolmentMaterial, LabelledTake
 from voice_assist.enrolment.pipeline_probe import PipelineProbe
+from voice_assist.enrolment.self_check import SelfCheckResult
 from voice_assist.enrolment.takes.checks import TakeCheck
 from voice_assist.enrolment.takes.script import EnrolmentScript, EnrolmentStep
 from voice_assist.profile import spellings
 from voice_assist.profile.active import PersonalRecognizer, personalise
-from voice_assist.profile.manifest import ACTIVE, COMMAND, REFUSED, TALK
+from voice_assist.profile.manifest import ACTIVE, COMMAND, RECORDING, REFUSED, TALK
 from voice_assist.profile.profile import VoiceProfileError, create_profile, open_profile
 from voice_assist.training.data.voices import HELD_OUT_ACCENT, Prompt, speak
 from voice_assist.types import RATE
@@ -36,6 +37,7 @@ MODULE = "voice_assist.enrolment.build"
 VOICE = f"{HELD_OUT_ACCENT}+Alex"
 PHRASES = ("hey robot", "pull more", "pull less", "stop")  # of all commands, to be quick
 TALKED = ("where is the trocar", "we are almost done", "thank you")
+SPELLED_AS_ANOTHER = b'{"commands": [{"phrase": "pull more", "learned": ["pull less"]}]}'
 TALK_NOT_ENROLLED = ("he told me to pull more shifts", "call the ward")
 
 
@@ -122,6 +124,57 @@ def test_learning_anew_that_is_broken_off_leaves_an_active_profile_as_it_was(
         build(open_profile("ada", folder), voice, config, base)
     assert open_profile("ada", folder).manifest_digest == before
     assert profile.manifest.state == ACTIVE
+
+
+WRONG = ("takes/0001.wav: wrong word",)
+FAILED = SelfCheckResult(wrong_words=list(WRONG))
+
+
+def every_file(folder):
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.fixture
+def fails(monkeypatch):
+    """Whatever is learned fails its check."""
+    monkeypatch.setattr(f"{MODULE}.others_for", lambda *_: [])
+    monkeypatch.setattr(f"{MODULE}.learn", lambda *_: Adapted({}, 0.0))
+    monkeypatch.setattr(f"{MODULE}.SelfCheck.__call__", lambda *_: FAILED)
+
+
+@pytest.mark.parametrize("heard", [WRONG, ()], ids=["a wrong word", "a failed check"])
+def test_learning_anew_that_fails_its_check_leaves_an_active_profile_byte_for_byte(
+    profile, voice, config, base, monkeypatch, fails, heard
+):
+    monkeypatch.setattr(f"{MODULE}.wrong_words", lambda *_: heard)
+    before = every_file(profile.folder)
+    opened = open_profile("ada", profile.folder.parent)
+    assert build(opened, voice, config, base) == WRONG
+    assert every_file(profile.folder) == before
+    assert opened.manifest.state == ACTIVE
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda copy: copy.judge(RECORDING),
+        lambda copy: copy.judge(REFUSED, ("talk",)),
+        lambda copy: copy.rebase("cd" * 32),
+        lambda copy: copy.put("spellings.json", SPELLED_AS_ANOTHER),
+    ],
+    ids=["unfinished", "refused", "of another base", "against the commands"],
+)
+def test_a_profile_that_nobody_can_use_is_refused_with_what_was_learned(
+    profile, voice, config, base, tmp_path, fails, change
+):
+    shutil.copytree(profile.folder, tmp_path / "ada")
+    copy = open_profile("ada", tmp_path)
+    change(copy)
+    assert build(copy, voice, config, base) == WRONG
+    again = open_profile("ada", tmp_path)
+    assert (again.manifest.state, again.manifest.why) == (REFUSED, WRONG)
+    assert again.manifest.base_sha256 == base.model_hash
+    assert json.loads(again.read("report.json"))["problems"] == list(WRONG)
 
 
 def test_a_profile_of_wrong_words_is_refused_and_names_them(profile, voice, config, base):

@@ -24,7 +24,7 @@ from voice_assist.enrolment.takes.from_session import COLUMNS, Uncorrected, read
 from voice_assist.enrolment.takes.script import EnrolmentScript
 from voice_assist.errors import ManifestError
 from voice_assist.profile.deletion import delete_profile
-from voice_assist.profile.manifest import COMMAND, TALK
+from voice_assist.profile.manifest import ACTIVE, COMMAND, TALK
 from voice_assist.profile.profile import VoiceProfileError, create_profile, open_profile
 from voice_assist.types import FULL_SCALE
 
@@ -149,6 +149,17 @@ def test_nothing_is_learned_while_commands_move_the_robot(service, room, monkeyp
     room.is_armed = False
     assert service("ada", "learn").success
     assert built == ["built"]
+
+
+def test_the_answer_to_a_screen_says_that_an_active_profile_stays_as_it_was(
+    service, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(remote_session, "build", lambda *_, **__: ("takes: 3 of 21 right",))
+    assert service("ada", "learn").message == "takes: 3 of 21 right"
+    open_profile("ada", tmp_path).judge(ACTIVE)
+    result = service("ada", "learn")
+    assert not result.success
+    assert result.message == "takes: 3 of 21 right; the profile stays as it was"
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ from voice_assist.enrolment.takes.script import (
 from voice_assist.errors import ManifestError
 from voice_assist.intent.confusability import closest_pairs
 from voice_assist.profile.deletion import delete_profile, folder_to_delete
-from voice_assist.profile.manifest import COMMAND, TALK
+from voice_assist.profile.manifest import ACTIVE, COMMAND, TALK
 from voice_assist.profile.profile import (
     VoiceProfile,
     VoiceProfileError,
@@ -234,7 +234,10 @@ def _learn(
     with console.status("learning") as status:
         problems = build(profile, voice, config, base, status.update, noted)
     if problems:
-        console.print(f"Profile {profile.name} was not activated:", style="bold red")
+        is_kept = profile.manifest.state == ACTIVE
+        kept = "stays as it was, active; what was learned anew failed its check"
+        outcome = kept if is_kept else "was not activated"
+        console.print(f"Profile {profile.name} {outcome}:", style="bold red")
         for problem in problems:
             console.print(f"  {problem}")
         return 1

@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 
+from typed_config import ConfigError
 from voice_assist.config import VoiceConfig
 from voice_assist.config.enrolment import EnrolmentConfig
 from voice_assist.config.profile import NOBODY
@@ -22,7 +23,7 @@ from voice_assist.enrolment.voiceprint import put_voiceprint
 from voice_assist.errors import VoiceError
 from voice_assist.evaluation.evaluator import said_once
 from voice_assist.profile import model_file, spellings, thresholds
-from voice_assist.profile.active import PersonalRecognizer
+from voice_assist.profile.active import PersonalRecognizer, personalise, with_profile
 from voice_assist.profile.manifest import ACTIVE, RECORDING, REFUSED, to_bytes
 from voice_assist.profile.profile import VoiceProfile, VoiceProfileError
 from voice_assist.profile.spellings import hear_spellings
@@ -56,6 +57,9 @@ def build(
 ) -> tuple[str, ...]:
     """Learn from the takes of a profile; whatever fails before it is written leaves it as it was.
 
+    An active profile that serves with this base and these commands is replaced only by one that
+    passes its check.
+
     Args:
         profile: With all its takes.
         voice: Active settings. Their profile and speaker gate are ignored.
@@ -65,7 +69,8 @@ def build(
         on_note: Called with what else was learned, such as a voiceprint, and what was not.
 
     Returns:
-        Why the profile was refused; empty: it is active.
+        Why what was learned was refused; empty: the profile is active. It is ACTIVE in spite of
+        reasons where it was kept as it was.
 
     Raises:
         VoiceProfileError: Takes are missing or damaged, or the profile cannot be written.
@@ -89,6 +94,8 @@ def build(
             on_note(f"{one.phrase!r} written as {one.spelling!r} is not learned: {one.why}")
         verdict = check_all(material, spelled, personal, others)
     problems = verdict.problems(config)
+    if problems and _serves(profile, voice, base):
+        return problems
     profile.rebase(base.model_hash)
     profile.judge(RECORDING)
     if spelled is not None:
@@ -109,6 +116,18 @@ def _plain(voice: VoiceConfig) -> VoiceConfig:
     nobody = replace(voice.profile, name=NOBODY, sha256="")
     plain = replace(voice, profile=nobody, speaker=replace(voice.speaker, gate=OFF))
     return said_once(plain)
+
+
+def _serves(profile: VoiceProfile, voice: VoiceConfig, base: EmbeddedRecognizer) -> bool:
+    """Whether the profile on file is active, and can be used with this base and these commands."""
+    folder = str(profile.folder.parent)
+    named = replace(voice.profile, name=profile.name, folder=folder)
+    try:
+        with_profile(replace(voice, profile=named))
+        personalise(replace(voice, profile=named), base)
+    except (VoiceError, ConfigError):
+        return False
+    return True
 
 
 def _put_voiceprint(profile: VoiceProfile, config: SpeakerConfig, on_note: Report) -> None:

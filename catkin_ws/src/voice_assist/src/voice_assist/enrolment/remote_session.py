@@ -16,12 +16,14 @@ from voice_assist.enrolment.takes.checks import TakeCheck
 from voice_assist.enrolment.takes.recording import record
 from voice_assist.enrolment.takes.script import EnrolmentScript, EnrolmentStep
 from voice_assist.errors import VoiceError
+from voice_assist.profile.manifest import ACTIVE
 from voice_assist.profile.profile import VoiceProfile, create_profile, names, open_profile
 from voice_assist.recognizer.recognizer import Recognizer
 from voice_assist.types import Frame
 
 ACTIONS = ("next", "record", "learn")
 ARMED = "the robot listens to commands: say terminate before you enrol"
+KEPT = "the profile stays as it was"
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,8 @@ class EnrolmentService:
             notes: list[str] = []
             args = profile, self._voice, self._config, self._base
             problems = build(*args, on_note=notes.append)
+            if problems and profile.manifest.state == ACTIVE:
+                problems = (*problems, KEPT)
             return ActionResult(not problems, "; ".join(problems or notes))
         script = self._script(name, profile)
         step = script.next()

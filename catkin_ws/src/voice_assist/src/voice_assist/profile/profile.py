@@ -9,22 +9,19 @@ adapted weights. Folders have the permissions 0700, files 0600.
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 import os
-import stat
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-import soundfile
-
 from typed_config import ConfigError
 from voice_assist.config.profile import NAME, NOBODY, require_name
 from voice_assist.errors import VoiceError
+from voice_assist.profile import private_files
 from voice_assist.profile.manifest import (
     FORMAT,
     RECORDING,
@@ -34,7 +31,8 @@ from voice_assist.profile.manifest import (
     from_bytes,
     to_bytes,
 )
-from voice_assist.types import FULL_SCALE, RATE, Samples, frozen_samples
+from voice_assist.profile.take_sound import from_wav, to_wav
+from voice_assist.types import Samples
 
 if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
@@ -42,7 +40,6 @@ if TYPE_CHECKING:
 ENV = "VOICE_ASSIST_PROFILES"
 MANIFEST, TAKES = "profile.json", "takes"
 _LEFTOVER = f".{MANIFEST}.tmp"  # of a profile that was not made to its end
-_FOLDER, _FILE = 0o700, 0o600
 
 
 class VoiceProfileError(VoiceError):
@@ -101,11 +98,12 @@ class VoiceProfile:
         Raises:
             VoiceProfileError: It cannot be written, or could not be read again.
         """
-        used = [int(take.file[6:10]) for take in self.manifest.takes]
-        name = f"{TAKES}/{max(used, default=0) + 1:04d}.wav"
-        data = _wav(samples)
-        take = replace(take, file=name, sha256=_digest(data))
-        self._save(replace(self.manifest, takes=(*self.manifest.takes, take)), (name, data))
+        data = to_wav(samples)
+        with self._newest() as manifest:
+            used = [int(take.file[6:10]) for take in manifest.takes]
+            name = f"{TAKES}/{max(used, default=0) + 1:04d}.wav"
+            take = replace(take, file=name, sha256=_digest(data))
+            self._save(replace(manifest, takes=(*manifest.takes, take)), (name, data))
         return take
 
     def put(self, name: str, data: bytes) -> None:
@@ -115,16 +113,18 @@ class VoiceProfile:
             VoiceProfileError: It cannot be written.
             ConfigError: The name is no plain file name.
         """
-        file = File(name=name, sha256=hashlib.sha256(data).hexdigest())
-        others = tuple(f for f in self.manifest.files if f.name != name)
-        self._save(replace(self.manifest, files=(*others, file)), (name, data))
+        file = File(name=name, sha256=_digest(data))
+        with self._newest() as manifest:
+            others = tuple(f for f in manifest.files if f.name != name)
+            self._save(replace(manifest, files=(*others, file)), (name, data))
 
     def drop(self, name: str) -> None:
         """Remove a file of the profile, if it has one of that name."""
-        if self.has(name):
-            others = tuple(f for f in self.manifest.files if f.name != name)
-            self._save(replace(self.manifest, files=others))
-            (self.folder / name).unlink(missing_ok=True)
+        with self._newest() as manifest:
+            if self.has(name):
+                others = tuple(f for f in manifest.files if f.name != name)
+                self._save(replace(manifest, files=others))
+                (self.folder / name).unlink(missing_ok=True)
 
     def judge(self, state: str, why: tuple[str, ...] = ()) -> None:
         """Activate or refuse it.
@@ -137,11 +137,13 @@ class VoiceProfile:
             VoiceProfileError: It cannot be written, or could not be read again.
             ConfigError: Reasons are missing, or are none of a refusal.
         """
-        self._save(replace(self.manifest, state=state, why=why))
+        with self._newest() as manifest:
+            self._save(replace(manifest, state=state, why=why))
 
     def rebase(self, base_sha256: str) -> None:
         """Note on top of which recogniser the profile is made from now on."""
-        self._save(replace(self.manifest, base_sha256=base_sha256))
+        with self._newest() as manifest:
+            self._save(replace(manifest, base_sha256=base_sha256))
 
     def has(self, name: str) -> bool:
         """Whether the manifest names such a file."""
@@ -158,7 +160,7 @@ class VoiceProfile:
             names = ", ".join(file.name for file in self.manifest.files) or "none"
             raise VoiceProfileError(f"profile {self.name!r} has no file {name!r}, only: {names}")
         data = _read_own(self.folder / name, self.name)
-        if (found := hashlib.sha256(data).hexdigest()) != expected:
+        if (found := _digest(data)) != expected:
             says = f"has the SHA-256 {found[:12]}, allowed: {expected[:12]}"
             raise VoiceProfileError(
                 f"profile {self.name!r}: {name} {says}; it was changed or damaged"
@@ -173,15 +175,9 @@ class VoiceProfile:
         """
         data = self.read(take.file)
         try:
-            samples, rate = soundfile.read(io.BytesIO(data), dtype="int16")
-        except (soundfile.LibsndfileError, RuntimeError) as error:
+            return from_wav(data)
+        except ValueError as error:
             raise VoiceProfileError(f"profile {self.name!r}: {take.file}: {error}") from error
-        if rate != RATE or samples.ndim != 1:
-            found = f"{rate} Hz of shape {samples.shape}"
-            raise VoiceProfileError(
-                f"profile {self.name!r}: {take.file} has {found}, allowed: {RATE} Hz mono"
-            )
-        return frozen_samples(samples)
 
     def check(self) -> None:
         """Read every byte of it once.
@@ -193,6 +189,17 @@ class VoiceProfile:
         for name in [*takes, *(file.name for file in self.manifest.files)]:
             self.read(name)
 
+    @contextmanager
+    def _newest(self) -> Iterator[Manifest]:
+        """The manifest on file, to be changed: another process may have added to it meanwhile."""
+        try:
+            with private_files.locked(self.folder):
+                self.manifest, self.manifest_digest = _read_manifest(self.folder, self.name)
+                yield self.manifest
+        except OSError as error:
+            words = f"{self.folder} cannot be written: {error.strerror}"
+            raise VoiceProfileError(words) from error
+
     def _save(self, manifest: Manifest, *files: tuple[str, bytes]) -> None:
         """Write files, then the manifest that names them; none if it could not be read again."""
         try:
@@ -202,24 +209,12 @@ class VoiceProfile:
             words = f"{MANIFEST} is not written, as nobody could read it: {error}"
             raise VoiceProfileError(f"profile {manifest.name!r}: {words}") from error
         for name, content in (*files, (MANIFEST, data)):
-            self._write(name, content)
+            path = self.folder / name
+            try:
+                private_files.write(path, content)
+            except OSError as error:
+                raise VoiceProfileError(f"{path} cannot be written: {error.strerror}") from error
         self.manifest, self.manifest_digest = manifest, _digest(data)
-
-    def _write(self, name: str, data: bytes) -> None:
-        """Write all or nothing, and let it reach the disk."""
-        path = self.folder / name
-        unfinished = path.with_name(f".{path.name}.tmp")
-        try:
-            path.parent.mkdir(mode=_FOLDER, exist_ok=True)
-            unfinished.unlink(missing_ok=True)
-            handle = os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, _FILE)
-            with os.fdopen(handle, "wb") as file:
-                file.write(data)
-                file.flush()
-                os.fsync(file.fileno())
-            unfinished.replace(path)
-        except OSError as error:
-            raise VoiceProfileError(f"{path} cannot be written: {error.strerror}") from error
 
 
 def create_profile(name: str, base_sha256: str, root: Path) -> VoiceProfile:
@@ -240,9 +235,9 @@ def create_profile(name: str, base_sha256: str, root: Path) -> VoiceProfile:
     require_name(name)
     folder = root / name
     try:
-        root.mkdir(mode=_FOLDER, parents=True, exist_ok=True)
+        root.mkdir(mode=private_files.FOLDER, parents=True, exist_ok=True)
         _remove_unfinished(folder)
-        folder.mkdir(mode=_FOLDER)
+        folder.mkdir(mode=private_files.FOLDER)
     except FileExistsError as error:
         require_profile(folder)
         raise VoiceProfileError(f"profile {name!r} exists already in {root}") from error
@@ -277,15 +272,7 @@ def open_profile(name: str, root: Path) -> VoiceProfile:
     folder = root / name
     if not folder.is_dir():
         raise missing_profile(name, root)
-    _require_private(folder, name, _FOLDER)
-    data = _read_own(folder / MANIFEST, name)
-    try:
-        manifest = from_bytes(data, MANIFEST)
-    except (ConfigError, ValueError, RecursionError) as error:
-        raise VoiceProfileError(f"profile {name!r}: {MANIFEST} is damaged: {error}") from error
-    if manifest.name != name:
-        raise VoiceProfileError(f"profile {name!r}: {MANIFEST} is that of {manifest.name!r}")
-    return VoiceProfile(folder, manifest, hashlib.sha256(data).hexdigest())
+    return VoiceProfile(folder, *_read_manifest(folder, name))
 
 
 def names(root: Path) -> list[str]:
@@ -315,7 +302,7 @@ def require_profile(folder: Path) -> None:
 
 def take_digest(samples: Samples) -> str:
     """Check sum that a take of this sound has on file."""
-    return _digest(_wav(samples))
+    return _digest(to_wav(samples))
 
 
 def facts_of(recognizer: Recognizer) -> dict[str, str]:
@@ -333,21 +320,27 @@ def _digest(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
-def _wav(samples: Samples) -> bytes:
-    scaled = np.rint(np.clip(samples, -1.0, 1.0) * FULL_SCALE).astype(np.int16)
-    file = io.BytesIO()
-    soundfile.write(file, scaled, RATE, format="WAV", subtype="PCM_16")
-    return file.getvalue()
+def _read_manifest(folder: Path, name: str) -> tuple[Manifest, str]:
+    """What the manifest of a person's profile says, and its check sum."""
+    try:
+        private_files.require_private(folder, private_files.FOLDER)
+    except OSError as error:
+        raise VoiceProfileError(f"profile {name!r}: {error}") from error
+    data = _read_own(folder / MANIFEST, name)
+    try:
+        manifest = from_bytes(data, MANIFEST)
+    except (ConfigError, ValueError, RecursionError) as error:
+        raise VoiceProfileError(f"profile {name!r}: {MANIFEST} is damaged: {error}") from error
+    if manifest.name != name:
+        raise VoiceProfileError(f"profile {name!r}: {MANIFEST} is that of {manifest.name!r}")
+    return manifest, _digest(data)
 
 
 def _read_own(path: Path, name: str) -> bytes:
-    if not path.is_file() or path.is_symlink():
-        raise VoiceProfileError(f"profile {name!r}: {path} is missing, or no plain file")
-    _require_private(path, name, _FILE)
     try:
-        return path.read_bytes()
+        return private_files.read(path)
     except OSError as error:
-        raise VoiceProfileError(f"profile {name!r}: {path}: {error.strerror}") from error
+        raise VoiceProfileError(f"profile {name!r}: {error}") from error
 
 
 def _remove_unfinished(folder: Path) -> None:
@@ -355,11 +348,3 @@ def _remove_unfinished(folder: Path) -> None:
     with suppress(OSError):
         (folder / _LEFTOVER).unlink(missing_ok=True)
         folder.rmdir()
-
-
-def _require_private(path: Path, name: str, allowed: int) -> None:
-    """Refuse what others may read or change."""
-    mode = stat.S_IMODE(path.stat().st_mode)
-    if mode & 0o077:
-        says = f"has the permissions {mode:04o}, allowed: {allowed:04o} (chmod {allowed:o})"
-        raise VoiceProfileError(f"profile {name!r}: {path} {says}; recordings are private")
