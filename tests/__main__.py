@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """`make test`: all tests; `--fast`, for `make check`: those that need no node and little time.
 
-Systems that hear words come first, one at a time: recognition that waits for a core counts as one
-that hangs. Then two systems run at once, and no more, since each takes a core. The tests without
-nodes, and those that only read launch files or wait for no time, run on every core beside them, at
-a lower priority. With other arguments: one pytest with them.
+The demo comes first, with nothing beside it: recognition that waits for a core counts as one that
+hangs, and cores may be threads of one core. Then come the other systems that hear words, one at a
+time. Then two systems run at once, and no more, since each takes a core. The tests without nodes,
+and those that only read launch files or wait for no time, run on every core beside them, at a lower
+priority. With other arguments: one pytest with them.
 """
 
 from __future__ import annotations
@@ -22,8 +23,8 @@ ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / ".cache" / "tests"  # files of JUnit's form
 BESIDE = RESULTS / "others.log"  # what the tests beside printed
 WITH_NODES = ("rostest", "integration")
+DEMO = ("integration/test_end_to_end.py",)  # all nodes, a browser and two pictures
 HEARING = (
-    "integration/test_end_to_end.py",  # the demo: all nodes, a browser and two pictures
     "integration/test_language.py",  # Whisper base, where `make languages` fetched it
     "integration/test_paper.py",
     "integration/test_session_replay.py",
@@ -53,10 +54,11 @@ def main(arguments: Sequence[str]) -> int:
     if arguments:
         return subprocess.call(_pytest(*_places(arguments), *arguments))
     _compile_kernels()
-    print("Whole systems first; the others run beside them and are shown last.", flush=True)
+    print("The demo first, then systems; the others run beside and are shown last.", flush=True)
+    codes = [subprocess.call(_command("demo", DEMO, 1))]
     others = _start_beside()
     try:
-        codes = [subprocess.call(_command("hearing", HEARING, 1))]
+        codes += [subprocess.call(_command("hearing", HEARING, 1))]
         codes += [subprocess.call(_command("systems", deaf_systems(), SYSTEMS))]
         codes += [others.wait()]
     finally:
@@ -64,7 +66,7 @@ def main(arguments: Sequence[str]) -> int:
             os.killpg(others.pid, signal.SIGINT)  # as Ctrl-C, so that its nodes are ended
             others.wait()
         print(BESIDE.read_text(encoding="utf-8", errors="replace"), flush=True)
-    return _conclude(["hearing", "systems", "others"], codes)
+    return _conclude(["demo", "hearing", "systems", "others"], codes)
 
 
 def deaf_systems() -> list[str]:
@@ -72,7 +74,8 @@ def deaf_systems() -> list[str]:
     folder = ROOT / "tests"
     found = [p for top in WITH_NODES for kind in KINDS for p in (folder / top).rglob(kind)]
     places = sorted(path.relative_to(folder).as_posix() for path in found)
-    return [p for p in places if not {p, *map(str, PurePosixPath(p).parents)} & {*HEARING}]
+    alone = {*DEMO, *HEARING}
+    return [p for p in places if not {p, *map(str, PurePosixPath(p).parents)} & alone]
 
 
 def _start_beside() -> subprocess.Popen[bytes]:

@@ -14,14 +14,14 @@ def test_every_folder_of_tests_is_run():
 
 
 def test_what_is_named_is_there_and_has_nodes():
-    for place in runner.HEARING:
+    for place in (*runner.DEMO, *runner.HEARING):
         assert (runner.ROOT / "tests" / place).exists(), place
         assert place.partition("/")[0] in runner.WITH_NODES
 
 
 def test_every_file_with_nodes_runs_once():
     folder = runner.ROOT / "tests"
-    named = [folder / place for place in (*runner.HEARING, *runner.deaf_systems())]
+    named = [folder / place for place in (*runner.DEMO, *runner.HEARING, *runner.deaf_systems())]
     for top in runner.WITH_NODES:
         for kind in runner.KINDS:
             for path in (folder / top).rglob(kind):
