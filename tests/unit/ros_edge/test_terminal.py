@@ -36,13 +36,16 @@ def log(screen, monkeypatch):
     """The logger of rospy's words, with its own handler for a terminal, and another."""
     logger = logging.getLogger("rosout")
     monkeypatch.setattr(logger, "handlers", [])
-    monkeypatch.setattr(logger, "level", logging.INFO)
+    monkeypatch.setattr(logger, "disabled", False)
+    before = logger.level
+    logger.setLevel(logging.INFO)  # which forgets what was logged before, and what was not
     logger.addHandler(RosStreamHandler(False, screen, screen))
     logger.addHandler(logging.NullHandler())
     write_beside()
     yield logger
     screen.goes_on.set()
     beside(logger).close()
+    logger.setLevel(before)
 
 
 def beside(log):
