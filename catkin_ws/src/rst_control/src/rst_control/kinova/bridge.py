@@ -24,7 +24,7 @@ import numpy as np
 from rst_control.kinematics.configuration import planning_joints, robot_joints
 from rst_control.kinova.arm_state import ArmReport, ArmWatch
 from rst_control.kinova.brake_plan import BrakePlan, LastCourse
-from rst_control.kinova.config import BEAT_PERIOD, KinovaConfig, bridge_limits
+from rst_control.kinova.config import KinovaConfig, bridge_limits
 from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.readiness import HELD_TO_HOME, Readiness
 from rst_control.kinova.tool import Grip, Tool
@@ -282,7 +282,7 @@ class Bridge:
 
     def _overslept(self, idle: float) -> str:
         """Why a course may not go on: for so long nobody led the arm, and its guard may brake."""
-        allowed = self._config.guard.silence - BEAT_PERIOD  # the guard counts from the last beat
+        allowed = self._config.guard.longest_gap
         if idle <= allowed:
             return ""
         return f"the bridge did not run for {idle:.2f} s in motion, allowed {allowed:.2f} s"

@@ -126,6 +126,11 @@ class GuardConfig:
         allowed = f"from two beats of {BEAT_PERIOD:g} s on"
         require(self.silence >= 2.0 * BEAT_PERIOD, "silence", self.silence, allowed)
 
+    @property
+    def longest_gap(self) -> float:
+        """How long the bridge may not run in motion [s]; the guard counts from its last beat."""
+        return self.silence - BEAT_PERIOD
+
 
 @dataclass(frozen=True, kw_only=True)
 class BridgeConfig:
@@ -144,7 +149,7 @@ class BridgeConfig:
         """Check what no key shows alone."""
         allowed = f"at least two in arm.period, {self.arm.period:g} s"
         require(self.rate * self.arm.period >= 2.0, "rate", self.rate, allowed)
-        rounds = (self.guard.silence - BEAT_PERIOD) * self.rate  # after which it has overslept
+        rounds = self.guard.longest_gap * self.rate
         allowed = f"from two rounds of rate {self.rate:g} Hz and {BEAT_PERIOD:g} s on"
         require(rounds >= 2.0, "guard.silence", self.guard.silence, allowed)
         _require_driver_keeps("servo.brake_deceleration", self.servo.brake_deceleration, self.arm)

@@ -158,9 +158,9 @@ class Watchdogs:
         """
         if easing_since != self._easing_since:
             self._easing_since = easing_since
-            is_known = bool(measured.tension_invalid_reason) and not measured.gripped
-            is_load = easing_since is None or not is_known
-            self._empty = 0.0 if is_load else max(0.0, measured.tension)
+            is_empty = easing_since is not None and not measured.gripped
+            is_untrue = is_empty and bool(measured.tension_invalid_reason)
+            self._empty = max(0.0, measured.tension) if is_untrue else 0.0
         return self._empty
 
     def _grip(self, measured: Measurement, watched: MonitoredMotion) -> Cause | None:

@@ -170,9 +170,13 @@ class CrtkNode:
         def is_void() -> bool:
             return brakes != self._brakes and command != ENDS
 
-        service, limit = "rst_control/command", ANSWER_WITHIN
         reply = call_service(
-            *(service, Command, command), within=limit, appears=limit, is_void=is_void
+            "rst_control/command",
+            Command,
+            command,
+            within=ANSWER_WITHIN,
+            appears=ANSWER_WITHIN,
+            is_void=is_void,
         )
         answer = reply.response
         if is_void() and (reply.may_take_effect or (answer is not None and answer.accepted)):
