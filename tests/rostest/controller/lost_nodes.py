@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""The voice node falls silent, then the robot dies, each in the middle of a motion.
+"""The voice node falls silent, the robot dies, the dead-man hangs, each in a motion.
 
-This test bears the name of the voice node, for the controller knows spoken commands by it.
+This test bears the name of the voice node, for the controller knows spoken commands by it; it is
+believed as a pedal, too.
 """
 
 import unittest
 
 import rospy
-from std_msgs.msg import Time
+from std_msgs.msg import Bool, Time
 
 from tests.support.robot_client import RobotClient, apart, kill, run_tests
 
@@ -75,6 +76,21 @@ class LostNodes(unittest.TestCase):
         self.assertLess(apart(begun, self.robot.measured()), 1e-4)
         self.assertFalse(self.robot.state.tissue_held)
         self.assertEqual(self.robot.state.state, "active")
+
+    def test_5_a_dead_man_that_falls_silent_brakes(self):
+        dead_man = rospy.Publisher("rst_control/dead_man", Bool, queue_size=1)
+        self.robot.wait(lambda: dead_man.get_num_connections() > 0)
+        beat = rospy.Timer(rospy.Duration(0.05), lambda _: self.heartbeat.publish(Time()))
+        self.addCleanup(beat.shutdown)
+        self.robot.start_fresh()
+        dead_man.publish(Bool(False))
+        self.robot.wait(lambda: "dead-man" in self.robot.command("tense").message, every=0.1)
+        held = rospy.Timer(rospy.Duration(0.05), lambda _: dead_man.publish(Bool(True)))
+        self.tense()
+        self.robot.wait_for_motion()
+        held.shutdown()
+        self.robot.wait_for_state("halted", limit=5)
+        self.assertEqual(self.robot.state.halt_reason_code, "dead_man")
 
 
 if __name__ == "__main__":

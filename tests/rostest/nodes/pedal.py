@@ -11,7 +11,6 @@ from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Joy
 from std_msgs.msg import Bool, Empty
 
-from rst_control.msg import ControllerState
 from rst_control.srv import Command, CommandResponse
 from support.waiting import wait_until
 from tests.support.robot_client import run_tests
@@ -35,14 +34,14 @@ class Pedal(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.stops, cls.commands, cls.gate, cls.health = [], [], [], []
+        cls.stops, cls.commands, cls.gate, cls.health, cls.held = [], [], [], [], []
         stops = rospy.Subscriber("rst_control/stop", Empty, cls.note_stop)
         rospy.Subscriber("voice_assist/talk", Bool, lambda m: cls.gate.append(m.data))
+        rospy.Subscriber("rst_control/dead_man", Bool, lambda m: cls.held.append(m.data))
         rospy.Subscriber("/diagnostics", DiagnosticArray, cls.note_health)
         rospy.Service("rst_control/command", Command, cls.take)
-        cls.states = rospy.Publisher("rst_control/state", ControllerState, queue_size=1)
         cls.joy = rospy.Publisher("joy", Joy, queue_size=10)
-        links = (cls.joy, cls.states, stops)
+        links = (cls.joy, stops)
         wait_until(lambda: all(link.get_num_connections() for link in links))
 
     @classmethod
@@ -92,16 +91,16 @@ class Pedal(unittest.TestCase):
     def test_3_a_released_dead_man_brakes(self):
         self.step(dead_man=HELD)
         self.stops.clear()
-        self.states.publish(ControllerState(state="moving"))
         self.step(3, dead_man=HELD)  # a button that nothing is bound to
         self.step(dead_man=REST)
         wait_until(lambda: self.stops)
 
-    def test_4_a_robot_that_moves_without_it_is_braked_again_and_again(self):
-        self.states.publish(ControllerState(state="moving"))
-        self.stops.clear()
-        wait_until(lambda: len(self.stops) > 1)
-        self.states.publish(ControllerState(state="halted"))
+    def test_4_the_controller_is_told_again_and_again_whether_it_is_held(self):
+        for position, is_held in ((HELD, True), (REST, False)):
+            self.step(dead_man=position)
+            self.held.clear()
+            wait_until(lambda: len(self.held) > 2)
+            self.assertEqual(set(self.held), {is_held})
 
     def test_5_a_driver_that_is_killed_releases_its_presses_beside_another(self):
         self.step()

@@ -26,6 +26,7 @@ def bare_node(actions, bound=HELD):
     node._config = pedal_config({**load_yaml(CONFIG_DIR / "pedal.yaml"), "bindings": [bound]})
     node._pedals, node._lock, node._trouble = Pedals(node._config), threading.Lock(), ""
     node._carry_out = lambda some, why_not="": actions.extend(some)
+    node._tell = lambda: None
     return node
 
 
@@ -99,7 +100,6 @@ class Driven:
         monkeypatch.setattr(pedal_node, "rospy", SimpleNamespace(**log))
         self.connections, self.actions = [connection(name) for name in names], []
         node = self.node = bare_node(self.actions)
-        node._state, node._last_stop = "", 0.0
         node._known = SimpleNamespace(is_believed=lambda by, name: name in JOYS)
         node._joy = SimpleNamespace(
             impl=SimpleNamespace(connections=self.connections),
@@ -227,10 +227,12 @@ class Acting:
         )
         node._pedals, node._lock = Pedals(node._config), threading.Lock()
         monkeypatch.setattr(node._pedals, "_clock", iter(range(1000)).__next__)
-        node._trouble, node._state, node._joy, node._last_stop = "", "", None, 0.0
+        node._trouble, node._joy = "", None
         node._stop = SimpleNamespace(publish=lambda _: self.acts.append("stop is published"))
         call = lambda command, may_repeat: self.acts.append(command)  # noqa: E731
         node._client = SimpleNamespace(call=call, forget=lambda: None)
+        told = lambda message: self.acts.append(f"dead-man {message.data}")  # noqa: E731
+        node._dead_man = SimpleNamespace(publish=told)
         node._pedals.found()
         node._pedals.take(dict.fromkeys(("button 0", "button 1"), 0.0))
 
@@ -262,7 +264,39 @@ def test_a_late_release_of_the_dead_man_brakes(monkeypatch):
     acting = Acting(monkeypatch, HELD)
     for value in (1.0, 0.0):
         acting.node._take({"button 0": value}, time.time() - 60.0)
-    assert acting.acts == ["stop is published"]
+    assert acting.acts == ["dead-man True", "dead-man False", "stop is published"]
+
+
+@pytest.mark.parametrize("at", ["before", "after"])
+def test_the_dead_man_is_told_before_a_command_of_the_same_news(monkeypatch, at):
+    acting = Acting(monkeypatch, HELD, MORE)
+    news = {"button 0": 1.0, "button 1": 1.0}
+    acting.node._take(news if at == "before" else dict(reversed(news.items())))
+    assert acting.acts == ["dead-man True", "pull more"]
+
+
+@pytest.mark.parametrize("value", [0.0, 1.0])
+def test_each_look_tells_whether_the_dead_man_is_held(monkeypatch, value):
+    acting = Acting(monkeypatch, HELD)
+    acting.node._take({"button 0": value})
+    acting.acts.clear()
+    for _ in range(2):
+        acting.node._check()
+    assert acting.acts == [f"dead-man {bool(value)}"] * 2
+
+
+def test_a_pedal_without_a_dead_man_tells_of_none(monkeypatch):
+    acting = Acting(monkeypatch, STOP, MORE)
+    acting.node._check()
+    assert acting.acts == []
+
+
+def test_a_node_that_ends_tells_that_the_dead_man_is_released(monkeypatch):
+    acting = Acting(monkeypatch, HELD)
+    acting.node._take({"button 0": 1.0})
+    acting.acts.clear()
+    acting.node._leave()
+    assert acting.acts == ["stop is published", "dead-man False"]
 
 
 def test_a_joy_has_the_age_of_its_header(monkeypatch):

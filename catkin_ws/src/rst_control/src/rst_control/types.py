@@ -143,6 +143,7 @@ class Reason(Enum):
     NO_MASTER = "no_master"
     NODE_LOST = "node_lost"
     VOICE_SILENT = "voice_silent"
+    DEAD_MAN = "dead_man"
     SENSOR_FAULT = "sensor_fault"
     UNKNOWN_FRAME = "unknown_frame"
     TRACKER_STALE = "tracker_stale"

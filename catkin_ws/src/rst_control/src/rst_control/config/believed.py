@@ -26,6 +26,7 @@ class BelievedConfig(NodeNames):
     robot: tuple[str, ...] = text()
     tension: tuple[str, ...] = text()
     recorder: tuple[str, ...] = text()
+    pedal: tuple[str, ...] = text()
 
 
 @dataclass(frozen=True, kw_only=True)

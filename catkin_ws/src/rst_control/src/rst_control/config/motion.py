@@ -216,6 +216,7 @@ class WatchdogConfig:
     joint_state_age: float = number(0.002, 1.0, "s")
     following_error: float = number(1e-4, 1.0, "rad")
     voice_heartbeat_age: float = number(0.05, 10.0, "s")
+    dead_man_age: float = number(0.15, 10.0, "s")
     at_rest_speed: float = number(1e-5, 0.1, "rad/s")
     phase_timeout: float = number(1.0, 600.0, "s")
     sensors: SensorConfig

@@ -65,6 +65,7 @@ WHY: Final = {  # by reason code
     "no_master": "network is gone",
     "node_lost": "a part is gone",
     "voice_silent": "hearing is gone",
+    "dead_man": "dead man is up",
     "sensor_fault": "bad gauge",
     "unknown_frame": "unknown frame",
     "tracker_stale": "tracking is lost",

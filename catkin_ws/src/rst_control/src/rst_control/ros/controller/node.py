@@ -13,10 +13,11 @@ import rospy
 
 from rst_control.admission.callers import CallLimiter
 from rst_control.admission.command_queue import CommandQueue, Verify
+from rst_control.admission.dead_man_gate import DeadMan, HeldOnly
 from rst_control.admission.homing_gate import HomingGate
 from rst_control.admission.recording_gate import RecordedOnly, RecordingWatch
 from rst_control.assembly import compensated, make_executor, make_trocar_context
-from rst_control.config import MotionConfig
+from rst_control.config import ControllerConfig, MotionConfig
 from rst_control.config.callers import CallersConfig
 from rst_control.errors import RstError
 from rst_control.execution.snapshot import ControllerSnapshot
@@ -34,6 +35,7 @@ from rst_control.ros.common.other_provider import other_provider
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.common.republisher import Due
 from rst_control.ros.controller.control_loop import ControlLoop
+from rst_control.ros.controller.dead_man_link import DeadManLink
 from rst_control.ros.controller.diagnostics import Diagnostics
 from rst_control.ros.controller.liveness_watch import LivenessWatch
 from rst_control.ros.controller.markers import ControllerMarkers
@@ -94,17 +96,9 @@ class ControllerNode:
         self._executor = make_executor(
             config, self._context, self._link.clear_fault, self._liveness
         )
-        watch = RecordingWatch(settings.recording, time.monotonic)
         grasp_point = GraspPointRegistrar(self._context, self._executor)
-        self._recording = RecordingLink(
-            watch, self._executor, self._known, settings.believed.recorder
-        )
-        homing = HomingGate(settings, lambda: self._context.current.planner.patient, time.monotonic)
-        self._homing = HomingService(homing, self._look)
         limiter = CallLimiter(_in_any_namespace(settings.callers), time.monotonic)
-        verify: Verify = RecordedOnly(GraspHere(self._context.verify, grasp_point), watch)
-        if settings.first_motion == "confirmed":
-            verify = ConfirmedFirst(verify, self._context, homing, limiter).verify
+        verify = self._join_gates(settings, grasp_point, limiter)
         self._commands = CommandQueue(self._executor, verify, time.monotonic)
         self._loop = ControlLoop(self._tick, self._executor.crashed, 1.0 / settings.rate)
         self._state = rospy.Publisher("rst_control/state", ControllerState, queue_size=2)
@@ -128,6 +122,23 @@ class ControllerNode:
         self._is_sending = False
         self._stack = ExitStack()
         self._join_places(config, model, grasp_point, limiter)
+
+    def _join_gates(
+        self, settings: ControllerConfig, grasp_point: GraspPointRegistrar, limiter: CallLimiter
+    ) -> Verify:
+        """All that a command has to pass."""
+        believed = settings.believed
+        watch = RecordingWatch(settings.recording, time.monotonic)
+        self._recording = RecordingLink(watch, self._executor, self._known, believed.recorder)
+        dead_man = DeadMan(settings.watchdogs.dead_man_age, time.monotonic)
+        self._dead_man = DeadManLink(dead_man, self._executor, self._known, believed.pedal)
+        homing = HomingGate(settings, lambda: self._context.current.planner.patient, time.monotonic)
+        self._homing = HomingService(homing, self._look)
+        verify: Verify = RecordedOnly(GraspHere(self._context.verify, grasp_point), watch)
+        verify = HeldOnly(verify, dead_man)
+        if settings.first_motion == "confirmed":
+            return ConfirmedFirst(verify, self._context, homing, limiter).verify
+        return verify
 
     def _join_places(
         self,
@@ -218,6 +229,7 @@ class ControllerNode:
         time.sleep(self._state_period)
         view = self._executor.snapshot
         self._recording.check(view)
+        self._dead_man.check(view)
         self._state.publish(state_message(view, self._clock, self._context))
         self._places.step()
         while self._executor.events:

@@ -16,7 +16,6 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from sensor_msgs.msg import Joy
 from std_msgs.msg import Bool, Empty
 
-from rst_control.msg import ControllerState
 from typed_config.ros.connections import is_heard, open_callers
 from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
@@ -29,12 +28,11 @@ from voice_assist.ros.believed import Believed
 from voice_assist.ros.robot.command_client import CommandClient
 from voice_assist.ros.robot.robot_commands import require_pedal_commands
 
+DEAD_MAN = "rst_control/dead_man"  # std_msgs/Bool, again and again: the controller asks for it
 TALK = "voice_assist/talk"  # std_msgs/Bool, again and again while a pedal is the gate
 PERIOD = 0.05  # [s] between checks of gate, dead-man and silence
 DIAGNOSTICS_EVERY = 20  # checks
 ANSWER_WITHIN = 1.0  # [s] for the controller; an older press commands nothing but a stop
-STOP_AGAIN = 0.2  # [s] between stops while the robot moves without the dead-man
-STATE_AGE = 1.0  # [s] of the controller's newest word, from which it is gone; 50 come in a second
 NOT_FOUND = "not found yet"
 
 
@@ -53,18 +51,15 @@ class PedalNode:
     def __init__(self, config: PedalConfig) -> None:
         self._config, self._pedals, self._lock = config, Pedals(config), threading.Lock()
         self._trouble = NOT_FOUND
-        self._last_news = self._last_stop = float("-inf")  # [s] steady clock
-        self._state, self._state_at = "", float("-inf")  # the time by a steady clock [s]
+        self._last_news = float("-inf")  # [s] steady clock
         self._stop = rospy.Publisher("rst_control/stop", Empty, queue_size=10)
         self._talk = rospy.Publisher(TALK, Bool, queue_size=1)
+        self._dead_man = rospy.Publisher(DEAD_MAN, Bool, queue_size=1, tcp_nodelay=True)
         self._diagnostics = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=2)
         self._client = CommandClient(ANSWER_WITHIN, self._on_answer)
         self._joy: rospy.Subscriber | None = None
         self._set_by: dict[str, str] = {}  # by input, node that set it last; "": any message
         self._known = Believed()
-        if self._pedals.has_dead_man:
-            state = "rst_control/state"
-            self._known.hear("controller", state, ControllerState, self._on_state, queue_size=1)
 
     def run(self) -> None:
         """Follow the device until ROS shuts down."""
@@ -85,6 +80,7 @@ class PedalNode:
     def _leave(self) -> None:
         with self._lock:
             self._carry_out(self._pedals.lost("the pedal node ends"))
+            self._tell()
 
     def _on_joy(self, message: Joy) -> None:
         values = {f"button {i}": float(value) for i, value in enumerate(message.buttons)}
@@ -115,9 +111,6 @@ class PedalNode:
                     self._lost(str(error) or repr(error))
             rospy.rostime.wallsleep(self._config.look_again)
 
-    def _on_state(self, message: ControllerState) -> None:
-        self._state, self._state_at = message.state, time.monotonic()
-
     def _found(self, name: str, inputs: Collection[str]) -> None:
         self._pedals.found()
         self._pedals.check(inputs)
@@ -133,7 +126,10 @@ class PedalNode:
 
     def _take(self, values: Mapping[str, float], stamp: float = 0.0) -> None:
         """Carry out what follows from news; its stamp is in seconds, 0: none."""
-        self._carry_out(self._pedals.take(values), _age_trouble(stamp))
+        was_held, actions = self._pedals.is_held, self._pedals.take(values)
+        if self._pedals.is_held != was_held:
+            self._tell()  # before a command of the same news
+        self._carry_out(actions, _age_trouble(stamp))
         self._say_remarks()
 
     def _say_remarks(self) -> None:
@@ -157,7 +153,6 @@ class PedalNode:
             rospy.loginfo("pedal: %s, by %s", *words)
 
     def _publish_stop(self) -> None:
-        self._last_stop = time.monotonic()
         self._client.forget()
         self._stop.publish(Empty())
 
@@ -165,14 +160,14 @@ class PedalNode:
         with self._lock:
             if why := self._silence():
                 self._lost(why)
-            if self._pedals.has_gate:
-                self._talk.publish(Bool(self._pedals.may_talk))
-            is_unheld = self._pedals.has_dead_man and not self._pedals.is_held
-            now = time.monotonic()
-            is_moving = self._state == "moving" and now - self._state_at < STATE_AGE
-            if is_unheld and is_moving and now - self._last_stop > STOP_AGAIN:
-                self._publish_stop()
-                rospy.logwarn("pedal: the robot moves, and the dead-man is not pressed")
+            self._tell()
+
+    def _tell(self) -> None:
+        """Say what is held down, to those who ask for it."""
+        if self._pedals.has_gate:
+            self._talk.publish(Bool(self._pedals.may_talk))
+        if self._pedals.has_dead_man:
+            self._dead_man.publish(Bool(self._pedals.is_held))
 
     def _on_answer(self, answered: Answered) -> None:
         log = rospy.loginfo if answered.is_accepted else rospy.logwarn

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Hears the dead-man, and brakes the motion under way when it is released or silent."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from std_msgs.msg import Bool
+
+from rst_control.admission.dead_man_gate import DeadMan
+from rst_control.execution.executor import Executor
+from rst_control.execution.snapshot import ControllerSnapshot
+from rst_control.types import State
+from typed_config.ros.known_publishers import KnownPublishers
+
+
+class DeadManLink:
+    """Feeds the dead-man, and acts on it.
+
+    Args:
+        dead_man: Is told what comes.
+        executor: Brakes.
+        known: Makes the subscriber.
+        pedals: Nodes that are believed.
+    """
+
+    def __init__(
+        self, dead_man: DeadMan, executor: Executor, known: KnownPublishers, pedals: Sequence[str]
+    ) -> None:
+        self._dead_man, self._executor = dead_man, executor
+        newest = {"tcp_nodelay": True, "queue_size": 1}
+        self._subscriber = known.subscribe(
+            "rst_control/dead_man", Bool, self._on_word, pedals, **newest
+        )
+
+    def check(self, view: ControllerSnapshot) -> None:
+        """Stop what may not go on."""
+        if view.mode.state is State.MOVING and (cause := self._dead_man.objection):
+            self._executor.stop(cause)
+
+    def _on_word(self, message: Bool) -> None:
+        self._dead_man.note(message.data)
