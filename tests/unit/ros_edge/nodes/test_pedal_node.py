@@ -24,7 +24,8 @@ def bare_node(actions, bound=HELD):
     """A node with a dead-man, without ROS."""
     node = object.__new__(PedalNode)
     node._config = pedal_config({**load_yaml(CONFIG_DIR / "pedal.yaml"), "bindings": [bound]})
-    node._pedals, node._lock, node._trouble = Pedals(node._config), threading.Lock(), ""
+    node._pedals, node._lock = Pedals(node._config), threading.Lock()
+    node._trouble = node._late = ""
     node._carry_out = lambda some, why_not="": actions.extend(some)
     node._tell = lambda: None
     return node
@@ -227,7 +228,7 @@ class Acting:
         )
         node._pedals, node._lock = Pedals(node._config), threading.Lock()
         monkeypatch.setattr(node._pedals, "_clock", iter(range(1000)).__next__)
-        node._trouble, node._joy = "", None
+        node._trouble, node._late, node._joy = "", "", None
         node._stop = SimpleNamespace(publish=lambda _: self.acts.append("stop is published"))
         call = lambda command, may_repeat: self.acts.append(command)  # noqa: E731
         node._client = SimpleNamespace(call=call, forget=lambda: None)
@@ -262,9 +263,42 @@ def test_a_late_press_moves_nothing_and_stops_all_the_same(monkeypatch, age, is_
 
 def test_a_late_release_of_the_dead_man_brakes(monkeypatch):
     acting = Acting(monkeypatch, HELD)
-    for value in (1.0, 0.0):
-        acting.node._take({"button 0": value}, time.time() - 60.0)
+    acting.node._take({"button 0": 1.0}, time.time())
+    acting.node._take({"button 0": 0.0}, time.time() - 60.0)
     assert acting.acts == ["dead-man True", "dead-man False", "stop is published"]
+
+
+def test_a_dead_man_whose_news_become_late_is_released_until_a_press_in_time(monkeypatch):
+    acting = Acting(monkeypatch, HELD)
+    acting.node._take({"button 0": 1.0}, time.time())
+    for _ in range(3):
+        acting.node._take({"button 0": 1.0}, time.time() - 5.0)
+    assert acting.acts == ["dead-man True", "dead-man False", "stop is published"]
+    level, words = acting.node._state_of_device()
+    assert level == DiagnosticStatus.ERROR and "5.00 s old" in words
+    assert sum("5.00 s old" in said for said in acting.words) == 2  # the news, and the stop
+    acting.acts.clear()
+    for value, acts in ((1.0, []), (0.0, []), (1.0, ["dead-man True"])):
+        acting.node._take({"button 0": value}, time.time())
+        assert acting.acts == acts
+    assert acting.node._state_of_device() == (DiagnosticStatus.OK, "there")
+
+
+def test_a_late_press_holds_no_dead_man_and_stops_nothing(monkeypatch):
+    acting = Acting(monkeypatch, HELD)
+    acting.node._take({"button 0": 1.0}, time.time() - 5.0)
+    assert acting.acts == [] and not acting.node._pedals.is_held
+
+
+@pytest.mark.parametrize(("does", "opens"), [("talk", 1.0), ("mute", 0.0)])
+def test_late_news_open_no_gate(monkeypatch, does, opens):
+    acting = Acting(monkeypatch, {**HELD, "does": does})
+    acting.node._take({"button 0": 1.0 - opens}, time.time())
+    acting.node._take({"button 0": opens}, time.time() - 5.0)
+    assert not acting.node._pedals.may_talk
+    for value in (1.0 - opens, opens):
+        acting.node._take({"button 0": value}, time.time())
+    assert acting.node._pedals.may_talk
 
 
 @pytest.mark.parametrize("at", ["before", "after"])

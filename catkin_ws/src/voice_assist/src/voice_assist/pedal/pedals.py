@@ -65,12 +65,14 @@ class Pedals:
         self._pressed.clear()
         return (Brake(f"the dead-man's device is lost: {why}"),) if was_held else ()
 
-    def take(self, values: Mapping[str, float]) -> tuple[PedalAction, ...]:
+    def take(self, values: Mapping[str, float], trouble: str = "") -> tuple[PedalAction, ...]:
         """News of some inputs, by name, such as "button 2".
 
         Args:
             values: As the device gives them; of a button 0 or 1.
+            trouble: Why they are too old to permit anything; empty: they are not.
         """
+        was_held = self.is_held
         actions: list[PedalAction] = []
         for name, value in values.items():
             binding = self._bindings.get(name)
@@ -82,6 +84,10 @@ class Pedals:
                 state = "pressed" if binding.does == "mute" else "released"
                 self._remark(name, f"{name} gives {value}, no number: it counts as {state}")
             actions += self._change(binding, self._is_pressed(binding, value))
+        if trouble:
+            if was_held and self.is_held:
+                actions.append(Brake(f"the dead-man is not known: {trouble}"))
+            self._forget_permissions()
         return tuple(actions)
 
     def check(self, present: Collection[str]) -> None:
@@ -105,6 +111,13 @@ class Pedals:
         if was_pressed and not is_pressed and binding.does == "dead_man":
             return (Brake(f"the dead-man ({binding.input}) is released"),)
         return ()
+
+    def _forget_permissions(self) -> None:
+        """What lets voice count or the robot move is unknown until news in time say so."""
+        for binding in self._bindings.values():
+            permits = binding.does != "mute"
+            if binding.command != STOP and self._pressed.get(binding.input) is permits:
+                del self._pressed[binding.input]
 
     def _has_settled(self, binding: BindingConfig) -> bool:
         return self._clock() - self._released_at[binding.input] >= SETTLED

@@ -50,7 +50,7 @@ class PedalNode:
 
     def __init__(self, config: PedalConfig) -> None:
         self._config, self._pedals, self._lock = config, Pedals(config), threading.Lock()
-        self._trouble = NOT_FOUND
+        self._trouble, self._late = NOT_FOUND, ""  # of the device, of its newest news
         self._last_news = float("-inf")  # [s] steady clock
         self._stop = rospy.Publisher("rst_control/stop", Empty, queue_size=10)
         self._talk = rospy.Publisher(TALK, Bool, queue_size=1)
@@ -126,10 +126,14 @@ class PedalNode:
 
     def _take(self, values: Mapping[str, float], stamp: float = 0.0) -> None:
         """Carry out what follows from news; its stamp is in seconds, 0: none."""
-        was_held, actions = self._pedals.is_held, self._pedals.take(values)
+        late, was_held = _age_trouble(stamp), self._pedals.is_held
+        actions = self._pedals.take(values, late)
         if self._pedals.is_held != was_held:
             self._tell()  # before a command of the same news
-        self._carry_out(actions, _age_trouble(stamp))
+        self._carry_out(actions, late)
+        if late and not self._late:
+            rospy.logwarn("pedal: %s", late)
+        self._late = late
         self._say_remarks()
 
     def _say_remarks(self) -> None:
@@ -189,8 +193,9 @@ class PedalNode:
         is_connected = any(self._known.is_believed("joy", name) for name in callers)
         if self._trouble == NOT_FOUND and is_connected:
             return DiagnosticStatus.OK, "connected, nothing pressed yet"  # it sends changes only
-        level = DiagnosticStatus.ERROR if self._trouble else DiagnosticStatus.OK
-        return level, self._trouble or "there"
+        trouble = self._trouble or self._late
+        level = DiagnosticStatus.ERROR if trouble else DiagnosticStatus.OK
+        return level, trouble or "there"
 
     def _publish_diagnostics(self) -> None:
         with self._lock:
