@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import struct
+from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,41 +46,50 @@ class Stamper:
 
 
 class StateWriter:
-    """Writes joint states and tension; all that never changes is written once."""
+    """Writes joint states and tension; all that never changes is written once.
+
+    The messages of a topic are numbered without gaps, as a recorder counts those that it misses.
+    """
 
     def __init__(self, stamper: Stamper) -> None:
-        self._stamper, self._sent = stamper, 0
-        count = _COUNT.pack(len(JOINTS))
-        self._joints_head = _text(BASE) + name_block(JOINTS) + count
-        self._count, self._wrench_head = count, _text(BASE)
+        self._stamper = stamper
+        self._joints, self._rests, self._wrenches = count(1), count(1), count(1)
+        self._length = _COUNT.pack(len(JOINTS))
+        self._joints_head = _text(BASE) + name_block(JOINTS) + self._length
+        self._wrench_head = _text(BASE)
         self._no_torque = bytes(24)
 
     def joints(self, now: float, reading: JointReading) -> WrittenJointState:
         """Joint states of a moment [s]."""
-        self._sent += 1
+        return self._state(next(self._joints), now, reading)
+
+    def rest(self, now: float, position: NDArray[np.float64]) -> WrittenJointState:
+        """Where the joints are held [rad], shape (10,), from a moment [s] on."""
+        still = np.zeros(len(JOINTS))
+        return self._state(next(self._rests), now, JointReading(position, still, still))
+
+    def wrench(self, now: float, force: NDArray[np.float64]) -> WrittenWrench:
+        """Force of the tissue on the jaws [N] at a moment [s]."""
+        head = self._header(next(self._wrenches), now)
+        return WrittenWrench(head + self._wrench_head + force.tobytes() + self._no_torque)
+
+    def _state(self, number: int, now: float, reading: JointReading) -> WrittenJointState:
         return WrittenJointState(
             b"".join(
                 (
-                    _HEADER.pack(self._sent & 0xFFFFFFFF, *self._stamper.split(now)),
+                    self._header(number, now),
                     self._joints_head,
                     reading.position.tobytes(),
-                    self._count,
+                    self._length,
                     reading.velocity.tobytes(),
-                    self._count,
+                    self._length,
                     reading.effort.tobytes(),
                 )
             )
         )
 
-    def rest(self, now: float, position: NDArray[np.float64]) -> WrittenJointState:
-        """Where the joints are held [rad], shape (10,), from a moment [s] on."""
-        still = np.zeros(len(JOINTS))
-        return self.joints(now, JointReading(position, still, still))
-
-    def wrench(self, now: float, force: NDArray[np.float64]) -> WrittenWrench:
-        """Force of the tissue on the jaws [N] at a moment [s]."""
-        head = _HEADER.pack(self._sent & 0xFFFFFFFF, *self._stamper.split(now))
-        return WrittenWrench(head + self._wrench_head + force.tobytes() + self._no_torque)
+    def _header(self, number: int, now: float) -> bytes:
+        return _HEADER.pack(number & 0xFFFFFFFF, *self._stamper.split(now))
 
 
 def _text(words: str) -> bytes:
