@@ -25,7 +25,17 @@ from voice_assist.pipeline.hang_detection import HangWatch
 from voice_assist.pipeline.pipeline import Pipeline
 from voice_assist.spotter.fusion import StopFusion
 from voice_assist.spotter.spotter import Spotted
-from voice_assist.types import HearingFault
+from voice_assist.types import (
+    Ask,
+    Call,
+    HearingFault,
+    Hypothesis,
+    Mode,
+    NoMatch,
+    Rejection,
+    RejectionReason,
+    UtteranceDecision,
+)
 
 for package in (rst_control, voice_assist):  # pytest's paths hide the generated messages
     package.__path__ = extend_path(package.__path__, package.__name__)
@@ -337,3 +347,18 @@ def test_what_a_topic_says_of_the_clocks_ends_the_heartbeat(room):
     room.node._source()._report_clocks("the clock of the sound's host is 1.30 s ahead")
     assert room.is_without_heartbeat()
     assert room.state()[2] is HearingFault.CLOCKS
+
+
+@pytest.mark.parametrize(("action", "shown"), [(Ask("tense"), [7.0]), (Call("tense"), [])])
+def test_the_time_of_a_question_begins_once_it_is_published(monkeypatch, action, shown):
+    monkeypatch.setattr(node, "_now", lambda: 7.0)
+    told = []
+    bare = object.__new__(node.VoiceNode)
+    bare._robot = SimpleNamespace(do=told.append)
+    bare._publish = SimpleNamespace(utterance=lambda *_: told.append("published"))
+    bare._pipeline = SimpleNamespace(question_shown=told.append)
+    refused = NoMatch(Rejection(RejectionReason.NEARLY_SURE, "asked"), "tense")
+    heard, times = Hypothesis("tense", -0.1, 0.0), (0.0, 1.0, 1.0)
+    event = UtteranceDecision(heard, refused, 0.5, Mode.ACTIVE, *times, False, actions=(action,))
+    bare._take(event)
+    assert told == [action, "published", *shown]

@@ -240,6 +240,25 @@ def test_a_stop_beside_what_sounds_almost_like_a_motion_counts_as_beside_one(sco
     assert actions(events) == done
 
 
+# People learn of it only later, as recognition takes its time.
+
+
+@pytest.mark.parametrize(("late", "is_done"), [(0.0, False), (0.5, False), (1.5, True)])
+def test_the_time_of_a_question_begins_when_people_learn_of_it(late, is_done):
+    pipeline, noted, hear_on = ask_by_hand(f"4.0 {YES}")
+    asked = pipeline._heard_until
+    pipeline.question_shown(asked + late)
+    assert commands(hear_on()) == (["pull more"] if is_done else [])
+    assert [n.time for n in noted if n.kind is SideInputKind.ASKED] == [asked + late]
+
+
+def test_what_was_dropped_before_people_learn_of_it_stays_dropped():
+    pipeline, _, hear_on = ask_by_hand(f"0.8 {YES}")
+    pipeline.answer_by_hand("pull more", False)
+    pipeline.question_shown(pipeline._heard_until + 1.0)
+    assert commands(hear_on()) == []
+
+
 # The robot speaks of it, and the microphone hears that.
 
 

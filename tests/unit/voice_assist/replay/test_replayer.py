@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from tests.unit.voice_assist.support import replayed_pipeline
 from tests.unit.voice_assist.support.fake_pipeline import commands, refusals
 from tests.unit.voice_assist.support.fake_speech import FakeRecognizer, frames, say
 from tests.unit.voice_assist.support.replayed_pipeline import (
@@ -17,6 +18,7 @@ from tests.unit.voice_assist.support.replayed_pipeline import (
     as_heard,
 )
 from voice_assist.audio.robot_speech import RobotSpeechChange
+from voice_assist.config import load_voice_config
 from voice_assist.intent.dialogue import Answered
 from voice_assist.replay.recorded_spotter import RecordedSpotter
 from voice_assist.side_inputs import SideInput, SideInputKind, SideInputs, from_text
@@ -92,6 +94,19 @@ def test_what_was_reported_of_the_robots_own_speech_is_reported_again():
     live.pipeline.robot_spoke(RobotSpeechChange(True, middle[0].stamp))
     live.hear(middle)
     assert [isinstance(d.outcome, Match) for d in live.decisions] == [True, True, False]
+    assert as_heard(again(live)) == as_decided(live.decisions)
+    assert as_heard(again(live, notes=[])) != as_decided(live.decisions)
+
+
+def test_when_people_learned_of_a_question_is_taken_again(monkeypatch):
+    twice = load_voice_config(commands__said_twice=True)
+    monkeypatch.setattr(replayed_pipeline, "CONFIG", twice)
+    live, sound = Live(), iter(frames(say("hey robot 0.8 tense 4.0 tense")))
+    while len(live.decisions) < 2:
+        live.hear([next(sound)])
+    live.pipeline.question_shown(live.now + 1.5)
+    live.hear(sound)
+    assert commands(live.decisions) == ["hey robot", "tense"]
     assert as_heard(again(live)) == as_decided(live.decisions)
     assert as_heard(again(live, notes=[])) != as_decided(live.decisions)
 

@@ -21,6 +21,7 @@ class SideInputKind(Enum):
 
     HEARD = "heard"  # every second or so: all before this frame was heard and decided on
     ANSWERED = "answered"  # the controller answered before this frame was heard
+    ASKED = "asked"  # before it, people were shown a question
     BY_HAND = "by hand"  # before it, a person answered a question by hand
     ROBOT_MODE = "robot mode"  # before it, the robot was found in another mode than the voice
     SPEAKING = "speaking"  # before it, the robot's own speech began or ended
@@ -36,6 +37,7 @@ class SideInputKind(Enum):
 
 REPORTED = (  # by others, between two frames
     SideInputKind.ANSWERED,
+    SideInputKind.ASKED,
     SideInputKind.BY_HAND,
     SideInputKind.ROBOT_MODE,
     SideInputKind.SPEAKING,

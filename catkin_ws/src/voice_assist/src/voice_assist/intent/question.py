@@ -44,6 +44,10 @@ class Question:
         self._command, self._since = command, said
         self._until = time + self._config.answer_within
 
+    def put(self, time: float) -> None:
+        """Let its time begin when people learn of it, where recognition took long to ask."""
+        self._until = max(self._until, time + self._config.answer_within)
+
     def wait(self, spoken: float, audible: float) -> None:
         """Let its time begin anew, once, where the robot itself spoke while it stood.
 

@@ -303,6 +303,11 @@ class Pipeline:
         self._dialogue_state = outcome.state
         return outcome.actions
 
+    def question_shown(self, time: float) -> None:
+        """Take that people learn of a question only now: its time begins [s]."""
+        self._observer(SideInput(SideInputKind.ASKED, self._next_sample, time=time))
+        self._question.put(time)
+
     def answer_by_hand(self, command: str, is_yes: bool) -> tuple[Action, ...] | None:
         """Take a person's answer to a question; gives what to do, None: it is not asked."""
         if not self._question.is_about(command, self._heard_until):

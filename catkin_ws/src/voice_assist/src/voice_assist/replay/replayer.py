@@ -159,6 +159,8 @@ class PipelineReplay:
                 self._pipeline.talk_changed(TalkChange(given.is_open, given.time))
             case SideInputKind.ROBOT_MODE:
                 self._pipeline.follow(Mode(given.mode))
+            case SideInputKind.ASKED:
+                self._pipeline.question_shown(given.time)
             case SideInputKind.BY_HAND:
                 self._pipeline.answer_by_hand(given.command, given.is_accepted)
             case _:

@@ -48,6 +48,7 @@ from voice_assist.spotter.spotter import Spotted, Spotting
 from voice_assist.spotter.thread import SpotterThread
 from voice_assist.types import (
     RATE,
+    Ask,
     Frame,
     Lost,
     Match,
@@ -206,6 +207,8 @@ class VoiceNode:
             for action in event.actions:
                 self._robot.do(action)
             self._publish.utterance(event, _now())
+            if any(isinstance(action, Ask) for action in event.actions):
+                self._pipeline.question_shown(_now())
             if isinstance(event.outcome, Match):
                 self._health.commanded, self._health.last_command = _now(), event.outcome.command
         elif isinstance(event, Partial):
