@@ -47,6 +47,10 @@ def test_an_amount_is_taken_in_any_of_its_wordings(text, command):
         ("pull one point five more", "'one point five' has no unit"),
         ("pull millimetres more", "'millimetres' has no number"),
         ("newton less", "'newton' has no number"),
+        ("pull more two millimetres", "'two millimetres' stands in another place"),
+        ("pull two more millimetres", "'two millimetres' stands in another place"),
+        ("pull more nine millimetres", "'nine millimetres' is not among its amounts"),
+        ("two millimetres more", "'two millimetres' is not among its amounts: '{step} more'"),
     ],
 )
 def test_a_wrong_amount_is_refused_by_name(text, why):

@@ -55,6 +55,8 @@ class AmountTalk:
             lacks = "has no number"
         elif not units and not may_lack:
             lacks = "has no unit"
+        elif any(" ".join(said) in c.slot.said(v) for c in commands for v in c.slot.values):
+            lacks = "stands in another place"
         what = f"{' '.join(said)!r} {lacks}"
         allowed = "; ".join(f"{c.template!r} takes {c.slot.allowed}" for c in commands)
         return f"{what}: {allowed}"
