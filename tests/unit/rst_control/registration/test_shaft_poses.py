@@ -85,6 +85,27 @@ def test_a_robot_that_says_nothing_is_not_recorded(poses):
     assert poses.record(silent.view, silent.now).message == "robot not connected"
 
 
+IN_USE = "arm_in_use: somebody else controls the arm"
+
+
+@pytest.mark.parametrize(
+    ("fault", "aside", "is_recorded"),
+    [(IN_USE, 0.0, True), (IN_USE, 0.05, False), ("arm_fault: it met something", 0.0, False)],
+)
+def test_an_arm_that_was_guided_by_hand_is_recorded_at_rest_alone(
+    poses, tilted, fault, aside, is_recorded
+):
+    rig = Rig()
+    rig.robot.push(tilted[0] - rig.robot.measured_js().position)
+    rig.robot.fault = fault
+    rig.run(0.01)
+    assert rig.view.health is not None
+    moving = replace(rig.view.measurement, velocity=np.full(10, aside))
+    reply = poses.record(replace(rig.view, measurement=moving), rig.now)
+    assert reply.accepted is is_recorded, reply.message
+    assert not poses.record(rig.view, rig.now + 0.05).accepted
+
+
 def test_no_more_poses_are_kept_than_there_is_room_for(poses, tilted, monkeypatch):
     monkeypatch.setattr(shaft_poses, "MOST", 2)
     assert record(poses, tilted[0]).accepted and record(poses, tilted[1]).accepted

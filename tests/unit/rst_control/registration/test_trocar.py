@@ -141,6 +141,17 @@ def test_a_fault_of_the_robot_or_a_latch_by_a_watchdog_refuses_it():
     assert 'halted (robot not connected); say "hey robot" first' in here.refused(place)
 
 
+def test_of_an_arm_that_was_guided_by_hand_it_is_set_after_hey_robot(here):
+    place = here.place()
+    here.rig.robot.fault = "arm_in_use: somebody else controls the arm"
+    here.rig.run(0.01)
+    words = 'somebody else controls the arm; let go of the arm, say "hey robot" first'
+    assert words in here.refused(place)
+    here.rig.say("hey robot")
+    here.rig.run(0.1)
+    here.accepted(place)
+
+
 def test_a_refusal_by_the_shaft_is_judged_by_the_measured_joints_not_the_set_point():
     here = setting(Rig(config=with_watchdogs(following_error=0.5)).believing().awake())
     place = here.place()

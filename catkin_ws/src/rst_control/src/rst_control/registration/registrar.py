@@ -6,6 +6,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from concurrent.futures import Future
+from dataclasses import replace
 from typing import ClassVar
 
 import numpy as np
@@ -114,6 +115,8 @@ def ready(context: TrocarContext, view: ControllerSnapshot) -> Measurement | Cau
     """What is measured of a robot at rest that holds nothing; else why it is not ready."""
     refusal = unrest(view, view.stamp, context.config.controller.watchdogs)
     measured = view.measurement
+    if refusal is not None and refusal.reason is Reason.ARM_IN_USE:
+        return replace(refusal, words=f'{refusal.words}; let go of the arm, say "hey robot" first')
     if refusal is not None or measured is None:
         return refusal or NOT_CONNECTED
     if view.mode.state is State.FAULTED:
@@ -125,14 +128,24 @@ def ready(context: TrocarContext, view: ControllerSnapshot) -> Measurement | Cau
     return measured
 
 
-def unrest(view: ControllerSnapshot, now: float, watchdogs: WatchdogConfig) -> Cause | None:
-    """Why the robot is not known to be healthy and at rest at a time [s]; None: it is."""
+def unrest(
+    view: ControllerSnapshot, now: float, watchdogs: WatchdogConfig, may_be_guided: bool = False
+) -> Cause | None:
+    """Why the robot is not known to be healthy and at rest at a time [s]; None: it is.
+
+    Args:
+        view: The executor's.
+        now: Time [s], the clock of the measurement.
+        watchdogs: What counts as recent, and as rest.
+        may_be_guided: A hand on the arm, for which the robot's side let go of it, is no fault.
+    """
     if view.is_moving:
         words = f"{view.mode.state.value}; wait until the robot is at rest"
         return Cause(Reason.NOT_AT_REST, words)
     measured = view.measurement
-    if view.health is not None:
-        return view.health
+    health = view.health
+    if health is not None and not (may_be_guided and health.reason is Reason.ARM_IN_USE):
+        return health
     if measured is None:
         return NOT_CONNECTED
     age, allowed = now - measured.stamp, watchdogs.joint_state_age

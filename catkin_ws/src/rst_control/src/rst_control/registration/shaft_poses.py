@@ -35,11 +35,13 @@ class ShaftPoses:
     def record(self, view: ControllerSnapshot, now: float) -> Reply:
         """Keep the shaft as it is measured, where the robot is healthy and at rest.
 
+        It may have been guided by hand, which a robot's side reports until the next "hey robot".
+
         Args:
             view: The executor's.
             now: Time [s], the clock of the measurement.
         """
-        refusal = unrest(view, now, self._watchdogs)
+        refusal = unrest(view, now, self._watchdogs, may_be_guided=True)
         if refusal is not None or view.measurement is None:
             return Reply.refused(refusal or NOT_CONNECTED)
         if len(self._lines) >= MOST:
