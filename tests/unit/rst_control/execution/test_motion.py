@@ -70,3 +70,13 @@ def test_progress_grows_from_zero_to_one_in_every_phase(rig):
         assert seen[kind][0] < 0.1 and seen[kind][-1] > 1.0 - 1e-9
         assert (np.diff(seen[kind]) >= -1e-9).all()
     assert all(0.0 <= p <= 1.0 for values in seen.values() for p in values)
+
+
+def test_a_stop_while_the_jaws_close_leaves_no_pull_behind(rig):
+    rig.say("tense")
+    rig.until(lambda: rig.phase == "close" and rig.view.is_tissue_held)
+    assert rig.view.tension_target == rig.config.controller.tension.initial
+    rig.stop()
+    rig.rest()
+    rig.tick()
+    assert (rig.view.tension_target, rig.view.grasp.s) == (0.0, 0.0)

@@ -47,7 +47,8 @@ class Sensed:
 
     stiffness, config = 100.0, load_motion_config().controller.tension
 
-    def __init__(self, goal, start):
+    def __init__(self, goal, start, **changes):
+        self.config = replace(self.config, **changes)
         self.response = GraspResponse(self.config, 0.2)
         for tick in range(400):  # from the grasp to where it starts
             s = start * min(1.0, tick / 200)
@@ -110,3 +111,10 @@ def test_a_tension_that_stays_too_high_with_nothing_to_ease_ends_where_it_is():
     for _ in range(round(2.0 * tissue.config.settle_time / PERIOD)):
         tissue.tick(1.3)
     assert tissue.run.is_done and tissue.run.state.s == 0.0
+
+
+def test_without_a_time_to_settle_it_still_pulls_to_its_goal():
+    tissue = Sensed(goal=1.0, start=0.0, settle_time=0.0)
+    assert not tissue.run.is_done
+    tissue.finish()
+    assert tissue.tension == pytest.approx(1.0, abs=tissue.config.tolerance + 0.01)

@@ -162,10 +162,12 @@ class Motion:
 
     def grasp_after(self, grasp: Grasp | None) -> Grasp | None:
         """What to remember of the grasp now that the motion came to rest."""
-        if grasp is None or self._place is None or self._place.path is not grasp.pull:
+        if grasp is None or self._place is None:
             return grasp
         tension = None if self._is_braking else grasp.tension
-        return replace(grasp, s=self._place.state.s, tension=tension)
+        if self._place.path is grasp.pull:
+            return replace(grasp, s=self._place.state.s, tension=tension)
+        return replace(grasp, s=0.0, tension=None) if self._is_braking else grasp  # not pulled yet
 
     def _start_next_phase(self, now: float) -> PhaseExecution:
         phase = self._waiting.popleft()

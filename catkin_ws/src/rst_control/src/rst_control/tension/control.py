@@ -69,13 +69,13 @@ class TensionControl:
     @property
     def is_settled(self) -> bool:
         """Whether the tension has been within tolerance of its target for the time asked."""
-        return self._settled_for >= self._config.settle_time
+        return 0.0 < self._settled_for >= self._config.settle_time
 
     @property
     def is_at_limit(self) -> bool:
         """Whether s has rested at an end of the path, short of its target, for the time asked."""
         is_short = abs(self.target - self.tension) > self._config.tolerance
-        return is_short and self._at_end_for >= self._config.settle_time
+        return is_short and 0.0 < self._at_end_for >= self._config.settle_time
 
     def step(self, force: float, dt: float) -> PathState:
         """Move on by dt [s] with the tension [N] measured now; returns the state of s then."""
