@@ -32,6 +32,7 @@ from rst_control.ros.rospy_patches import message_limits
 from rst_control.ros.rospy_patches.message_framing import LONGEST_MESSAGE
 from rst_control.srv import SetTrocar
 from rst_control.supervision.heartbeat import Heartbeat
+from rst_control.types import Reason
 from support.waiting import wait_until
 from tests.support.null_executor import Nobody
 from typed_config.node_names import UNNAMED
@@ -242,6 +243,8 @@ class Actions(GuardedServer):
         self.cancel_callback = lambda handle: None
         self.all_cancelled = []
         self._on_cancel_all = self.all_cancelled.append
+        self.late_cancelled = []
+        self._on_late_cancel = lambda goal_id: self.late_cancelled.append(goal_id.id)
         self._goals = SimpleNamespace(has_true_name=lambda goal: goal.goal_id.id != "false")
         listeners = [SimpleNamespace(endpoint_id="/panel"), SimpleNamespace(endpoint_id="/stray")]
         self.result_pub = SimpleNamespace(impl=SimpleNamespace(connections=listeners))
@@ -345,3 +348,29 @@ def test_a_cancel_that_names_no_goal_stops_whatever_is_under_way():
     assert len(server.all_cancelled) == 3
     server.internal_cancel_callback(GoalID(id="one that ended long ago"))
     assert len(server.all_cancelled) == 3
+
+
+@pytest.mark.parametrize(
+    ("end", "is_late"),
+    [("set_canceled", True), ("set_succeeded", False), ("set_aborted", False), ("", False)],
+)
+def test_a_cancel_of_a_goal_that_was_replaced_is_handed_on(end, is_late):
+    server, handles = Actions(), []
+    server.goal_callback = handles.append
+    server.internal_goal_callback(goal("tense", "g"))
+    handles[0].set_accepted()
+    if end:
+        getattr(handles[0], end)(AssistResult())
+    for name in ("g", "another"):
+        server.internal_cancel_callback(GoalID(id=name))
+    assert server.late_cancelled == (["g"] if is_late else [])
+
+
+@pytest.mark.parametrize("is_moving", [True, False])
+def test_a_cancel_of_a_goal_that_was_replaced_stops_what_moves(is_moving):
+    stops, bare = [], object.__new__(action_server.AssistServer)
+    bare._executor = SimpleNamespace(
+        snapshot=SimpleNamespace(is_moving=is_moving), stop=lambda cause, *_: stops.append(cause)
+    )
+    bare._on_late_cancel(GoalID(id="g"))
+    assert [cause.reason for cause in stops] == ([Reason.STOP_CANCEL] if is_moving else [])

@@ -44,6 +44,7 @@ class GuardedServer(actionlib.ActionServer):
         on_goal: Gets every goal that is let in.
         on_cancel: Gets every goal that is to be cancelled; a cancel is never turned away.
         on_cancel_all: Gets every cancel that names no goal, also where none is under way.
+        on_late_cancel: Gets every cancel of a goal that was stopped or replaced already.
     """
 
     def __init__(
@@ -54,8 +55,10 @@ class GuardedServer(actionlib.ActionServer):
         on_goal: OnGoal,
         on_cancel: OnGoal,
         on_cancel_all: Callable[[GoalID], None],
+        on_late_cancel: Callable[[GoalID], None],
     ) -> None:
-        self._limiter, self._on_stop, self._on_cancel_all = limiter, on_stop, on_cancel_all
+        self._limiter, self._on_stop = limiter, on_stop
+        self._on_cancel_all, self._on_late_cancel = on_cancel_all, on_late_cancel
         self._goals = known.watch()
         super().__init__("rst_control/execute", AssistAction, on_goal, on_cancel, auto_start=False)
 
@@ -91,8 +94,12 @@ class GuardedServer(actionlib.ActionServer):
             self._on_cancel_all(goal_id)
         goal_id.stamp = _not_after_now(goal_id.stamp)
         with self.lock:
-            is_known = any(s.status.goal_id.id == goal_id.id for s in self.status_list)
-        if goal_id.id and not is_known and self._too_much(goal_id):
+            states = [
+                s.status.status for s in self.status_list if s.status.goal_id.id == goal_id.id
+            ]
+        if GoalStatus.PREEMPTED in states:
+            self._on_late_cancel(goal_id)
+        if goal_id.id and not states and self._too_much(goal_id):
             if goal_id.stamp.is_zero():
                 return
             goal_id = GoalID(goal_id.stamp, "")  # it still cancels all that is older
@@ -132,8 +139,8 @@ class AssistServer:
         self._news: queue.SimpleQueue[tuple[ServerGoalHandle, Reply | Outcome]] = (
             queue.SimpleQueue()
         )
-        callbacks = self._on_stop, self._on_goal, self._on_cancel, self._on_cancel_all
-        self._server = GuardedServer(limiter, known, *callbacks)
+        cancels = self._on_cancel, self._on_cancel_all, self._on_late_cancel
+        self._server = GuardedServer(limiter, known, self._on_stop, self._on_goal, *cancels)
 
     def start(self) -> rospy.Subscriber:
         """Begin to take goals; gives the subscriber by which they come."""
@@ -198,9 +205,16 @@ class AssistServer:
         self._executor.stop(Cause(Reason.STOP_CANCEL, words), received, caller_of(goal.goal))
 
     def _on_cancel_all(self, goal_id: GoalID) -> None:
-        received = time.monotonic()
-        caller = caller_of(goal_id)
-        words = f"stop by cancelling all actions, from {caller}"
+        self._stop_by("all actions", goal_id)
+
+    def _on_late_cancel(self, goal_id: GoalID) -> None:
+        """What moves may have replaced the goal just now, unseen by who cancels it."""
+        if self._executor.snapshot.is_moving:
+            self._stop_by("an action that was replaced", goal_id)
+
+    def _stop_by(self, what: str, goal_id: GoalID) -> None:
+        received, caller = time.monotonic(), caller_of(goal_id)
+        words = f"stop by cancelling {what}, from {caller}"
         self._executor.stop(Cause(Reason.STOP_CANCEL, words), received, caller)
 
 
