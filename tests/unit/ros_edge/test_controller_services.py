@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Who may confirm a first motion, and how long an error in a thread is shown."""
+"""Who may confirm a first motion, how long an error is shown, and how often guards look."""
 
 from types import SimpleNamespace
 
@@ -7,7 +7,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from rst_control.execution.orders import Reply
-from rst_control.ros.controller import diagnostics
+from rst_control.ros.controller import diagnostics, liveness_watch
 from rst_control.ros.controller.services.first_motion import ConfirmedFirst
 from rst_control.types import Reason
 
@@ -46,3 +46,17 @@ def test_an_error_in_a_thread_is_shown_for_a_while(monkeypatch):
     now[0] += diagnostics.SHOWN_FOR + 1.0
     later = shown._loop(ON_TIME)
     assert (later.level, later.message) == (DiagnosticStatus.OK, "on time")
+
+
+def test_recording_and_dead_man_are_looked_at_as_often_as_the_master(monkeypatch):
+    slept, looks = [], []
+    monkeypatch.setattr(liveness_watch.time, "sleep", slept.append)
+    peers = SimpleNamespace(want=lambda _: None, state=lambda _: "")
+    monkeypatch.setattr(liveness_watch, "Peers", lambda: peers)
+    executor = SimpleNamespace(owner="", snapshot="now")
+    recording = SimpleNamespace(recorders=frozenset(), check=lambda view: looks.append(view))
+    dead_man = SimpleNamespace(check=lambda view: looks.append(view))
+    liveness = SimpleNamespace(report=lambda _: None)
+    watch = liveness_watch.LivenessWatch(liveness, executor, "/voice", (), recording, dead_man)
+    watch.step()
+    assert (slept, looks) == ([liveness_watch.PERIOD], ["now", "now"])

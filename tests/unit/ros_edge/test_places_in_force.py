@@ -32,7 +32,9 @@ def master(monkeypatch):
         "Publisher": lambda *_, **__: topic(),
         "get_name": lambda: "/controller",
         "resolve_name": lambda name: name.replace("~", "/controller/"),
-        "get_param": lambda name, default: master.kept.get("/controller/in_force", default),
+        "get_param": lambda name, default: master.kept.get(
+            name.replace("~", "/controller/"), default
+        ),
         "logwarn": lambda *_: None,
     }.items():
         monkeypatch.setattr(module.rospy, name, value)
@@ -71,5 +73,5 @@ def test_what_is_set_while_the_master_is_away_is_kept_once_it_is_back(master, mo
     assert master.kept == {}  # not yet: the master is asked seldom
     monkeypatch.setattr(module.time, "monotonic", lambda: 1e9)
     places.step()
-    kept = json.loads(master.kept["/controller/in_force"])
+    kept = json.loads(master.kept["/controller/in_force/places"])
     assert kept["trocar"]["numbers"] == pytest.approx(trocar)

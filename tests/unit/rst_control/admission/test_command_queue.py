@@ -106,3 +106,12 @@ def test_a_command_that_was_taken_up_cannot_be_given_up_any_more():
     pending = rig.say("tense")
     assert not pending.reply.cancel()
     assert rig.state is State.MOVING
+
+
+def test_the_time_of_the_last_command_is_known_whoever_gave_it_and_whatever_came_of_it():
+    rig = Rig().awake()
+    for words in ("tense", "stop", "nonsense"):
+        rig.run(1.0)
+        before = rig.now
+        rig.give(words, spoken=True)
+        assert before <= rig.queue.last_command <= rig.now

@@ -7,11 +7,22 @@ import pytest
 
 from rst_control.admission.command_queue import CommandQueue
 from rst_control.admission.dead_man_gate import DeadMan, HeldOnly
-from rst_control.ros.controller.dead_man_link import DeadManLink
+from rst_control.ros.controller import dead_man_link
+from rst_control.ros.controller.dead_man_link import HAS_DEAD_MAN, DeadManLink
 from rst_control.types import Reason, State
+from support.waiting import wait_until
 from tests.unit.rst_control.support.executor_rig import Rig
 
 ALLOWED = 0.5  # [s]
+
+
+@pytest.fixture(autouse=True)
+def kept(monkeypatch):
+    """Parameters that a restart finds."""
+    kept = {}
+    rospy = SimpleNamespace(get_param=kept.get, set_param=kept.__setitem__)
+    monkeypatch.setattr(dead_man_link, "rospy", rospy)
+    return kept
 
 
 class Held(Rig):
@@ -114,3 +125,18 @@ def test_a_stop_that_came_first_keeps_its_reason():
     rig.speak(False)
     rig.looked(1.0, is_held=False)
     assert rig.view.mode.cause.reason is Reason.STOP_TOPIC
+
+
+def test_a_controller_that_is_started_anew_still_asks_for_it(kept):
+    first = Held().awake()
+    first.say("tense")
+    first.stop()
+    assert not kept
+    first.speak(True)
+    wait_until(lambda: kept == {HAS_DEAD_MAN: True})
+    again = Held().awake()
+    assert again.refused("tense") == "the dead-man is not pressed"
+    again.run(2 * ALLOWED)
+    assert "silent" in again.refused("tense")
+    again.speak(True)
+    again.say("tense")

@@ -78,6 +78,7 @@ class CommandQueue:
         self._executor, self._verify, self._clock = executor, verify, clock
         self._commands = commands
         self._waiting: queue.Queue[QueuedCommand] = queue.Queue(WAITING)
+        self.last_command = float("-inf")  # [s] when the last one came
 
     def take(
         self,
@@ -102,6 +103,7 @@ class CommandQueue:
             tension: [N], 0: as configured.
             distance: [m], 0: as configured.
         """
+        self.last_command = self._clock()
         pending = PendingCommand(words, caller)
         request = read_request(words, tension, distance, self._commands)
         is_by_voice = is_spoken or not is_by_hand

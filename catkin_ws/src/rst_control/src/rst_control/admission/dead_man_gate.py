@@ -15,7 +15,7 @@ from rst_control.types import Cause, Reason, Rejected
 
 
 class DeadMan:
-    """What is known of it. There is one from its first word on, for as long as this lives.
+    """What is known of it. There is one from its first word on.
 
     Args:
         allowed: How long it may be silent before it counts as released [s].

@@ -1,10 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Hears the dead-man, and brakes the motion under way when it is released or silent."""
+"""Hears the dead-man, and brakes the motion under way when it is released or silent.
+
+That there is one is kept in the node's private parameters, which a new launch clears. A controller
+that is started anew within the launch asks for it before it is heard again.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from threading import Thread
+from typing import Final
 
+import rospy
 from std_msgs.msg import Bool
 
 from rst_control.admission.dead_man_gate import DeadMan
@@ -12,6 +19,9 @@ from rst_control.execution.executor import Executor
 from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.types import State
 from typed_config.ros.known_publishers import KnownPublishers
+from typed_config.ros.launch_settings import IN_FORCE
+
+HAS_DEAD_MAN: Final = f"~{IN_FORCE}/has_dead_man"
 
 
 class DeadManLink:
@@ -28,6 +38,9 @@ class DeadManLink:
         self, dead_man: DeadMan, executor: Executor, known: KnownPublishers, pedals: Sequence[str]
     ) -> None:
         self._dead_man, self._executor = dead_man, executor
+        self._is_kept = bool(rospy.get_param(HAS_DEAD_MAN, False))
+        if self._is_kept:
+            dead_man.note(False)
         newest = {"tcp_nodelay": True, "queue_size": 1}
         self._subscriber = known.subscribe(
             "rst_control/dead_man", Bool, self._on_word, pedals, **newest
@@ -40,3 +53,7 @@ class DeadManLink:
 
     def _on_word(self, message: Bool) -> None:
         self._dead_man.note(message.data)
+        if not self._is_kept:
+            self._is_kept = True
+            # In a thread: a master that hangs must not keep a release from being heard.
+            Thread(target=rospy.set_param, args=(HAS_DEAD_MAN, True), daemon=True).start()

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Watches those without whom a motion may not go on: the master, who asked for it, who records it.
+"""Watches those without whom a motion may not go on.
+
+They are the master, who asked for it, who records it and who holds the dead-man.
 
 A node of this host that is killed or stopped is noticed by the kernel's word, within a period; one
 elsewhere that is killed by its connection, which closes; one elsewhere that hangs by its heartbeat
@@ -15,6 +17,7 @@ import rospy
 
 from rst_control.execution.executor import Executor
 from rst_control.ros.common.peers import Peers
+from rst_control.ros.controller.dead_man_link import DeadManLink
 from rst_control.ros.controller.recording_link import RecordingLink
 from rst_control.supervision.node_liveness import MASTER, NodeLiveness
 from typed_config.ros.connections import is_heard
@@ -32,6 +35,7 @@ class LivenessWatch:
         spoken_by: Name of the voice node, which is always watched.
         links: Subscribers over which those who ask for motions are heard.
         recording: Knows the recorders, and is notified when one is lost.
+        dead_man: Knows whether it is held.
     """
 
     def __init__(
@@ -41,9 +45,11 @@ class LivenessWatch:
         spoken_by: str,
         links: tuple[rospy.Subscriber, ...],
         recording: RecordingLink,
+        dead_man: DeadManLink,
     ) -> None:
         self._liveness, self._executor = liveness, executor
-        self._spoken_by, self._links, self._recording = spoken_by, links, recording
+        self._spoken_by, self._links = spoken_by, links
+        self._recording, self._dead_man = recording, dead_man
         self.peers = Peers()
 
     def step(self) -> None:
@@ -60,3 +66,6 @@ class LivenessWatch:
         for name in recorders:
             if words := self.peers.state(name):
                 self._recording.lost(name, words)
+        view = self._executor.snapshot
+        self._recording.check(view)
+        self._dead_man.check(view)

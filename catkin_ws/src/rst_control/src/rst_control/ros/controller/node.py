@@ -170,7 +170,7 @@ class ControllerNode:
         self._diagnostics.priority = ask_for_priority()
         links = (self._service.heartbeats, self._actions.start())
         watch = LivenessWatch(
-            self._liveness, self._executor, self._spoken_by, links, self._recording
+            self._liveness, self._executor, self._spoken_by, links, self._recording, self._dead_man
         )
         for name, step in (
             ("planning", self._plan),
@@ -228,8 +228,6 @@ class ControllerNode:
     def _publish(self) -> None:
         time.sleep(self._state_period)
         view = self._executor.snapshot
-        self._recording.check(view)
-        self._dead_man.check(view)
         self._state.publish(state_message(view, self._clock, self._context))
         self._places.step()
         while self._executor.events:
@@ -238,7 +236,7 @@ class ControllerNode:
         if self._feedback_due(now):
             self._actions.publish_feedback()
         if self._diagnostics_due(now):
-            loop, age = self._loop.statistics.summary(), now - self._service.last_command
+            loop, age = self._loop.statistics.summary(), now - self._commands.last_command
             places = place_words(self._context, now)
             strangers = self._known.status("rst_control", "controller")
             others = (

@@ -31,6 +31,7 @@ from typed_config.ros.launch_settings import IN_FORCE
 from typed_config.ros.xmlrpc import FAILURES, ask
 
 KEEP_AGAIN: Final = 5.0  # [s] after which a master that did not take them is asked again
+PLACES: Final = f"~{IN_FORCE}/places"
 NOT_KEPT: Final = "the places that were set are not kept for a restart yet: %s"
 NOT_TAKEN: Final = "places that were set before are not taken: %s; those of scene.yaml count"
 
@@ -90,7 +91,7 @@ class PlacesInForce:
             if origin.source != SCENE:
                 stamp = self._clock.stamp(origin.stamp).to_sec()
                 kept[name] = {"numbers": numbers, "source": origin.source, "stamp": stamp}
-        key, master = rospy.resolve_name(f"~{IN_FORCE}"), rosgraph.get_master_uri()
+        key, master = rospy.resolve_name(PLACES), rosgraph.get_master_uri()
         try:
             if kept:
                 ask(master, "setParam", rospy.get_name(), key, json.dumps(kept))
@@ -101,7 +102,7 @@ class PlacesInForce:
 
     def _restore(self) -> None:
         try:
-            kept = json.loads(rospy.get_param(f"~{IN_FORCE}", "{}"))
+            kept = json.loads(rospy.get_param(PLACES, "{}"))
             context, origins = self._present.current, {}
             for name, entry in kept.items():
                 numbers = [float(value) for value in entry["numbers"]]

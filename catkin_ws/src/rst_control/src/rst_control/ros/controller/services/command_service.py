@@ -81,7 +81,6 @@ class CommandService:
     ) -> None:
         self._commands, self._executor, self._limiter = commands, executor, limiter
         self._spoken_by, self._heartbeat = spoken_by, Heartbeat(heartbeat_age)
-        self.last_command = float("-inf")  # [s] when the last command came, steady clock
         # Of what piles up on one connection the newest counts; a flood is not queued.
         newest = {"tcp_nodelay": True, "queue_size": 1}
         self._stop = rospy.Subscriber("rst_control/stop", Empty, self._on_stop, **newest)
@@ -95,7 +94,6 @@ class CommandService:
         self._service = rospy.Service(COMMAND, WordsCommand, self._on_command)
 
     def _on_command(self, request: WordsRequest) -> CommandResponse:
-        self.last_command = time.monotonic()
         caller = caller_of(request)
         admission = self._limiter.admit(caller, is_stop(request.command))
         refusal = admission.refusal
