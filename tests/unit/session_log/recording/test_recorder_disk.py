@@ -7,12 +7,14 @@ import time
 
 import pytest
 
+from session_log.config import RecorderConfig
 from session_log.errors import RecordingFailed
 from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import read_summary
 from session_log.mcap_file.writer import SessionWriter
 from support.waiting import PATIENCE, wait_until
 from tests.unit.session_log.support.recorder_inputs import full, text
+from typed_config import ConfigError, load_config
 
 
 def on_disk(folder, write):
@@ -185,3 +187,16 @@ def test_a_drop_counts_as_loss_for_a_while_and_stays_counted(make_recorder, reco
 def test_either_bound_of_the_queue_holds_a_session_for_twenty_minutes(recorder_config):
     assert recorder_config.queue_messages / 1600 >= 20 * 60  # messages/s
     assert recorder_config.queue_size / 400_000 >= 20 * 60  # [B/s]
+
+
+@pytest.mark.parametrize("flush_period", [0.5, 0.3, 0.2])
+def test_a_stall_time_that_is_over_before_two_writes_is_refused(recorder_settings, flush_period):
+    settings = {**recorder_settings, "flush_period": flush_period, "stall_time": 0.3}
+    words = rf"stall_time is 0\.3, allowed: at least twice flush_period, {2 * flush_period:g} s"
+    with pytest.raises(ConfigError, match=words):
+        load_config(RecorderConfig, settings, "recorder.yaml")
+
+
+def test_a_stall_time_of_two_writes_is_allowed(recorder_settings):
+    settings = {**recorder_settings, "flush_period": 0.15, "stall_time": 0.3}
+    assert load_config(RecorderConfig, settings, "recorder.yaml").stall_time == 0.3

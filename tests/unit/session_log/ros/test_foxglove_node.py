@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The URDF for a viewer, while the ROS master is away, hangs, or has none."""
+"""What is served; the URDF for a viewer, while the ROS master is away, hangs, or has none."""
 
 import socket
 import sys
@@ -23,13 +23,22 @@ ANSWER_TIME = PATIENCE  # [s] it is there, but maybe late
 VIEWED = SimpleNamespace(topic=URDF_TOPIC)
 
 
+STATIC = "/tf_static"
+SOUND = (
+    "voice_assist/AudioChunk",
+    "audio_common_msgs/AudioData",
+    "audio_common_msgs/AudioDataStamped",
+)
+
+
 class Channel:
-    """What viewers of the only topic get."""
+    """What viewers of any topic get."""
 
     def __init__(self, said):
-        self.said = said
+        self.said, self.topics = said, []
 
-    def __call__(self, *_, **__):
+    def __call__(self, topic, **_):
+        self.topics.append(topic)
         return self
 
     def log(self, data):
@@ -41,10 +50,37 @@ def said():
     return []
 
 
+class Subscriber:
+    """A subscriber of two nodes."""
+
+    def __init__(self, name, kind, callback, **_):
+        self.receive, self.impl = callback, SimpleNamespace()
+        self.open("/robot", "/trocar")
+
+    def get_num_connections(self):
+        return len(self.impl.connections)
+
+    def open(self, *publishers):
+        """Have connections from these alone."""
+        is_open = {"done": False, "socket": "open"}
+        self.impl.connections = [SimpleNamespace(callerid_pub=p, **is_open) for p in publishers]
+
+    def latch(self, publisher, text):
+        """Receive a latched message."""
+        header = {"latching": "1", "callerid": publisher}
+        data = bytes(4) + text.encode()
+        self.receive(SimpleNamespace(_connection_header=header, _buff=data))
+
+
 @pytest.fixture
-def topics(monkeypatch, said):
+def channel(said):
+    return Channel(said)
+
+
+@pytest.fixture
+def topics(monkeypatch, channel):
     """Those of a system whose master was there once."""
-    sdk = SimpleNamespace(Channel=Channel(said), Schema=SimpleNamespace)
+    sdk = SimpleNamespace(Channel=channel, Schema=SimpleNamespace)
     monkeypatch.setitem(sys.modules, "foxglove", sdk)
     monkeypatch.setattr(foxglove_node, "AGAIN", 0.0)
     monkeypatch.setattr(xmlrpc, "ANSWER_TIME", ANSWER_TIME)
@@ -53,6 +89,36 @@ def topics(monkeypatch, said):
         patch.setattr(foxglove_node, "published_topics", list)
         topics.search()
     return topics
+
+
+@pytest.fixture
+def offer(topics, monkeypatch):
+    """Offers what of these topics may be served."""
+
+    def built(kind):
+        return SimpleNamespace(_type=kind, _full_text="")
+
+    def search(published):
+        monkeypatch.setattr(foxglove_node, "published_topics", lambda: published)
+        monkeypatch.setattr(foxglove_node.roslib.message, "get_message_class", built)
+        topics.search()
+
+    return search
+
+
+@pytest.fixture
+def view(topics, offer, said, monkeypatch):
+    """Has one more viewer of the static frames; gives the subscriber and what that viewer gets."""
+    monkeypatch.setattr(foxglove_node.rospy, "Subscriber", Subscriber)
+    offer([(STATIC, "tf2_msgs/TFMessage")])
+
+    def come():
+        said.clear()
+        topics.on_subscribe(None, SimpleNamespace(topic=STATIC))
+        topics.follow(0.0)
+        return topics._subscribers[STATIC], list(dict.fromkeys(said))
+
+    return come
 
 
 @pytest.fixture
@@ -129,3 +195,25 @@ def test_it_is_not_asked_for_when_nobody_views_it(topics, said, master, monkeypa
     time.sleep(0.02)
     topics.follow(0.0)
     assert URDF not in said
+
+
+@pytest.mark.parametrize("kind", SOUND)
+@pytest.mark.parametrize("name", ["/audio_in", "/played/voice_assist/audio", "/left/sound"])
+def test_sound_is_not_served_whatever_its_topic(offer, channel, name, kind):
+    offer([(name, kind), ("/audio/audio_info", "audio_common_msgs/AudioInfo")])
+    assert channel.topics == [URDF_TOPIC, "/audio/audio_info"]
+
+
+def test_a_later_viewer_gets_the_latched_message_of_each_publisher(view):
+    frames, _ = view()
+    for publisher, text in (("/robot", "old"), ("/trocar", "trocar"), ("/robot", "robot")):
+        frames.latch(publisher, text)
+    assert view() == (frames, ["trocar", "robot"])  # in order of time
+
+
+def test_a_later_viewer_gets_nothing_of_a_publisher_that_has_gone(view):
+    frames, _ = view()
+    frames.latch("/robot", "robot")
+    frames.latch("/trocar", "trocar")
+    frames.open("/trocar")
+    assert view() == (frames, ["trocar"])

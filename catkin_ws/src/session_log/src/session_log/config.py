@@ -47,6 +47,9 @@ class RecorderConfig:
         is_space = self.low_space == 0 or self.low_space >= LEAST_SPACE
         allowed = f"0, which warns never, or from {LEAST_SPACE} B on"
         require(is_space, "low_space", self.low_space, allowed)
+        least = 2.0 * self.flush_period  # the disk takes something once in each period
+        allowed = f"at least twice flush_period, {least:g} s"
+        require(self.stall_time >= least, "stall_time", self.stall_time, allowed)
 
 
 @dataclass(frozen=True, kw_only=True)

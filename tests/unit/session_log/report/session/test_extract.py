@@ -124,6 +124,14 @@ def test_what_the_controller_calls_a_phrase_is_known_by_the_node_that_heard_it(e
     assert extracted(story.messages, parameters=texts).called == {"halt": "stop"}
 
 
+def test_every_command_that_was_ever_compared_is_known(extracted):
+    story = Story()
+    for time, phrases in ((1.0, ["stop", "tense"]), (2.0, ["stop", "light on"]), (3.0, [])):
+        fields = {"phrases": phrases, "wer": [0.5] * len(phrases)}
+        story.say(time, "/voice_assist/utterance", "voice_assist/Utterance", **fields)
+    assert extracted(story.messages).phrases == ("stop", "tense", "light on")
+
+
 def test_messages_that_do_not_fit_are_counted_not_fatal(extracted):
     story = Story(duration=1.0)
     story.event(0.5, "accepted", "tense", "")

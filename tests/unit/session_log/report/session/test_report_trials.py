@@ -4,6 +4,7 @@
 import pytest
 
 from session_log.mcap_file.summary import RecordingSummary
+from session_log.report.session.extract import extract
 from session_log.report.session.session_data import IntendedPhrase, RecordedUtterance, SessionData
 from session_log.report.session.trials import (
     NO_COMMAND,
@@ -13,6 +14,7 @@ from session_log.report.session.trials import (
     PhraseTrial,
     trials,
 )
+from support.story import Story, recording_of
 
 COMMANDS = ("hey robot", "tense", "pull more", "stop")
 
@@ -115,3 +117,21 @@ def test_where_nothing_was_heard_what_was_shown_was_meant_in_any_language(
 
 def test_where_the_commands_are_known_other_words_are_none(report_config):
     assert judge(report_config, [(1.0, "tirer plus")], []) == [(NO_COMMAND, NOTHING)]
+
+
+def test_a_command_of_before_the_commands_were_changed_was_meant(tmp_path, report_config):
+    story = Story()
+    for time, phrases, command in (
+        (1.0, ["licht an", "stop"], "licht an"),
+        (11.0, ["light on", "stop"], "light on"),
+        (21.0, ["light on", "stop"], ""),
+    ):
+        said = command or "clamp"
+        times = {"speech_start": time + 0.1, "speech_end": time + 0.5, "decision": time + 0.7}
+        fields = {"phrases": phrases, "wer": [0.0, 1.0], "command": command, "transcript": said}
+        story.say(time, "/voice_assist/intended", "std_msgs/String", data=said)
+        kind = "voice_assist/Utterance"
+        story.say(time + 0.7, "/voice_assist/utterance", kind, **fields, **times)
+    data = extract(recording_of(tmp_path / "s.mcap", story.messages), report_config)
+    found = [(t.intended, t.taken) for t in trials(data, report_config)]
+    assert found == [("licht an", "licht an"), ("light on", "light on"), (NO_COMMAND, OTHER)]

@@ -7,8 +7,11 @@ from functools import cache
 import numpy as np
 import pytest
 
+from session_log.report.session.analysis import command_rows
 from session_log.report.session.extract import extract
-from session_log.report.session.stamp_clock import APART, MANY, StampClock
+from session_log.report.session.shaft import rcm_from_joints
+from session_log.report.session.stamp_clock import APART, LONG, MANY, StampClock
+from session_log.report.session.summary import summarise
 from support.message_classes import source_of
 from support.story import START, Story, recording_of
 
@@ -26,6 +29,24 @@ class StoryOfAnotherClock(Story):
 
     def set_time(self, stamp, seconds):
         stamp.secs, stamp.nsecs = divmod(self.start - self.lag + int(seconds * SECOND), SECOND)
+
+
+class StoryOfAVoiceHostSetBack(Story):
+    """The clock of the voice node's host is set back in the middle, the others' is not."""
+
+    SINCE, LAG = 15.0, 10 * SECOND
+
+    def __init__(self, is_set_back):
+        super().__init__(rate=20)
+        self.is_set_back, self.is_voice = is_set_back, False
+
+    def say(self, time, topic, datatype, **fields):
+        self.is_voice = topic.startswith("/voice_assist/")
+        super().say(time, topic, datatype, **fields)
+
+    def set_time(self, stamp, seconds):
+        lag = self.LAG if self.is_set_back and self.is_voice and seconds >= self.SINCE else 0
+        stamp.secs, stamp.nsecs = divmod(self.start - lag + int(seconds * SECOND), SECOND)
 
 
 @pytest.fixture(scope="module")
@@ -119,3 +140,85 @@ def test_a_latched_message_of_long_ago_has_the_time_of_its_arrival_and_no_warnin
     lags = {}
     clock = StampClock(replace(SOURCE, is_latched=True), lags)
     assert in_log_time(clock, (START - 600 * SECOND, START)) == [START] and lags == {}
+
+
+@pytest.mark.parametrize("together", [1, 100])  # as slow topics are read, and fast ones
+@pytest.mark.parametrize("lag", [10.0, -10.0])
+def test_from_where_a_clock_was_set_times_are_those_of_arrival(together, lag):
+    lags = {}
+    clock = StampClock(SOURCE, lags)
+    arrivals = START + np.arange(100) * SECOND
+    stamps = arrivals - np.where(np.arange(100) < 50, 0, int(lag * SECOND))
+    times = [
+        clock.in_log_time(stamps[k : k + together], arrivals[k : k + together])
+        for k in range(0, 100, together)
+    ]
+    assert np.concatenate(times).tolist() == arrivals.tolist()
+    assert lags == {"/joint_states": pytest.approx(lag)} and clock.offset is None
+
+
+def test_after_a_clock_was_set_right_its_stamps_count_again():
+    clock = StampClock(SOURCE, {})
+    assert in_log_time(clock, (START, START + 10 * SECOND)) == [START + 10 * SECOND]
+    assert in_log_time(clock, (START + 20 * SECOND, START + 21 * SECOND)) == [START + 20 * SECOND]
+
+
+def test_of_several_distances_the_largest_is_known():
+    lags = {}
+    clock = StampClock(SOURCE, lags)
+    for lag in (10, -60, 20):
+        in_log_time(clock, (START, START + lag * SECOND))
+    assert lags == {"/joint_states": pytest.approx(-60.0)}
+
+
+def test_messages_that_were_held_up_for_a_while_are_of_the_same_clock():
+    lags = {}
+    clock = StampClock(SOURCE, lags)
+    stamps = START + np.arange(1000) * SECOND // 10
+    arrivals = stamps.copy()
+    arrivals[500:540] = stamps[540]  # 11 of them are more than APART late
+    assert clock.in_log_time(stamps, arrivals).tolist() == stamps.tolist()
+    assert lags == {} and clock.offset is None
+
+
+@pytest.mark.parametrize("together", [1, 500])
+@pytest.mark.parametrize("lag", [0.8, -0.3])
+def test_a_clock_that_was_set_a_little_off_is_known(together, lag):
+    clock = StampClock(SOURCE, {})
+    stamps = START + np.arange(1000) * SECOND // 10
+    arrivals = stamps + np.where(np.arange(1000) < 400, 0, int(lag * SECOND))
+    for k in range(0, 1000, together):
+        part = slice(k, k + together)
+        assert clock.in_log_time(stamps[part], arrivals[part]).tolist() == stamps[part].tolist()
+    assert clock.offset == ("/joint_states", pytest.approx(lag))
+
+
+def test_a_pause_of_the_recorder_is_no_clock_that_is_a_little_off():
+    clock = StampClock(SOURCE, {})
+    stamps = START + np.arange(20_000) * SECOND // 500
+    for begin in (9.9, 20.0, 30.0):  # [s] messages of two seconds come together
+        end = START + int((begin + 2.0) * SECOND)
+        is_held = (stamps >= START + int(begin * SECOND)) & (stamps < end)
+        arrivals = np.where(is_held, end, stamps)
+        for k in range(0, len(stamps), 1000):
+            clock.in_log_time(stamps[k : k + 1000], arrivals[k : k + 1000])
+    assert clock.offset is None and LONG > 2.0
+
+
+def test_commands_find_their_answers_after_the_voice_hosts_clock_was_set_back(
+    report_config, tmp_path
+):
+    config = replace(report_config, utterance_sound=False)
+    rows, complete = [], []
+    for is_set_back in (False, True):
+        story = StoryOfAVoiceHostSetBack(is_set_back)
+        session = recording_of(tmp_path / f"{is_set_back}.mcap", list(story.build()))
+        data = extract(session, config)
+        rows.append(command_rows(data, config))
+        rcm = rcm_from_joints(data, config)
+        complete.append(summarise("s", data, rows[-1], rcm, config).is_complete)
+    outcomes, found = ([(row.command, row.outcome) for row in side] for side in rows)
+    assert found == outcomes and "no answer" not in dict(outcomes).values()
+    assert complete == [True, False]
+    expected = {f"/voice_assist/{name}": 10.0 for name in ("audio", "mode", "utterance")}
+    assert data.clock_lags == pytest.approx(expected, abs=0.1)

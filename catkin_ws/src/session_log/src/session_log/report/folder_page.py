@@ -27,7 +27,7 @@ SESSIONS_NOTE = (
     "Margin: smallest of a turning joint to its limit. Late: share of late cycles of the fast "
     "topics. Incomplete: the recording was not closed, is damaged, lacks messages or holds some "
     "that do not fit. Also incomplete: topics in namespaces, and clocks that were set back or are "
-    "a little off."
+    "off."
 )
 SEARCH = "search words, refusals, notes, dates"
 

@@ -141,7 +141,7 @@ def _warnings(material: SessionMaterial) -> Iterator[str]:
         words, is_back = str(step), step.after < step.before
         yield f"{words[0].upper()}{words[1:]}{': times after it are wrong' if is_back else ''}."
     if lags := material.data.clock_lags:
-        yield f"{_clock_words(lags)}: their times are those of arrival."
+        yield f"{_clock_words(lags)}: where it is, their times are those of arrival."
     if offsets := material.data.clock_offsets:
         yield f"{_clock_words(offsets)}: their times, and latencies, are off by as much."
     topics = vars(material.config.topics)

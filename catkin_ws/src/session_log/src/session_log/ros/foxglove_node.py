@@ -25,6 +25,7 @@ from session_log.config import FoxgloveConfig
 from session_log.recording.namespace import Namespace
 from session_log.types import URDF_TOPIC
 from typed_config import package_file
+from typed_config.ros.connections import open_callers
 from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
 from typed_config.ros.xmlrpc import FAILURES, parameter, published_topics
@@ -34,6 +35,11 @@ if TYPE_CHECKING:
 
 FILE = package_file("session_log", "config/foxglove.yaml")
 NICE = 10  # it only shows
+SOUND = {  # types of what is said in the theatre, which is never served
+    "voice_assist/AudioChunk",
+    "audio_common_msgs/AudioData",
+    "audio_common_msgs/AudioDataStamped",
+}
 INSTALL = "foxglove-sdk is missing: .venv/bin/pip install -r requirements-foxglove.txt"
 AGAIN = 0.5  # [s] from a viewer's wish, or the last try, to the next try
 TRIES = 5  # times that a topic without a connection is subscribed anew, or the URDF asked for
@@ -56,7 +62,7 @@ class LiveTopics:
         self._names: dict[str, str] = {}  # by the same, the topic of the master
         self._viewers: dict[str, int] = {}
         self._subscribers: dict[str, rospy.Subscriber] = {}
-        self._latched: dict[str, bytes] = {}
+        self._latched: dict[str, dict[str, bytes]] = {}  # by topic and publisher, the latest last
         self._refused: set[str] = set()
         self._again: deque[tuple[float, str, int]] = deque()  # [s] when, topic, tries left
         self._wishes: Queue[tuple[str, int]] = Queue()  # topics, and how many viewers more
@@ -81,7 +87,8 @@ class LiveTopics:
             if shown in self._channels or shown in self._refused or not is_ours:
                 continue
             message = roslib.message.get_message_class(kind)
-            if message is None or any(one.fullmatch(shown) for one in self._exclude):
+            is_excluded = kind in SOUND or any(one.fullmatch(shown) for one in self._exclude)
+            if message is None or is_excluded:
                 self._refused.add(shown)
                 if message is None:
                     rospy.logwarn("%s is not served: %s is not built here", name, kind)
@@ -122,7 +129,7 @@ class LiveTopics:
             with suppress(*FAILURES):  # it is asked again
                 urdf = parameter(rospy.resolve_name("robot_description"))
                 data = str(urdf or "").encode()
-                self._latched[topic] = len(data).to_bytes(4, "little") + data
+                self._latched[topic] = {"": len(data).to_bytes(4, "little") + data}
         elif topic not in self._subscribers:
             self._latched.pop(topic, None)
 
@@ -144,18 +151,23 @@ class LiveTopics:
 
     def _has_no_answer(self, topic: str) -> bool:
         if topic == URDF_TOPIC:
-            return self._latched.get(topic, NO_TEXT) == NO_TEXT
+            return self._latched.get(topic, {}).get("", NO_TEXT) == NO_TEXT
         subscriber = self._subscribers.get(topic)
         return subscriber is not None and subscriber.get_num_connections() == 0
 
     def _repeat(self, topic: str) -> None:
-        """Send a latched message anew, for a viewer that has come since."""
-        if (last := self._latched.get(topic)) is not None:
-            self._channels[topic].log(last)
+        """Send latched messages anew, for a viewer that has come since; none of who has gone."""
+        subscriber = self._subscribers.get(topic)
+        for publisher, last in list(self._latched.get(topic, {}).items()):
+            if subscriber is None or publisher in open_callers(subscriber):
+                self._channels[topic].log(last)
 
     def _receive(self, topic: str, message: rospy.AnyMsg) -> None:
-        if message._connection_header.get("latching") == "1":
-            self._latched[topic] = message._buff
+        header = message._connection_header
+        if header.get("latching") == "1":
+            latched, publisher = self._latched.setdefault(topic, {}), header.get("callerid", "")
+            latched.pop(publisher, None)
+            latched[publisher] = message._buff
         self._channels[topic].log(message._buff)
 
 

@@ -229,7 +229,7 @@ class _Extractor:
 
     def _utterance(self, m: Any) -> None:
         wer = dict(zip(m.phrases, m.wer, strict=False))
-        self._data.phrases = tuple(m.phrases) or self._data.phrases
+        self._data.phrases = tuple(dict.fromkeys((*self._data.phrases, *m.phrases)))
         start, end, decision = self._times(m.speech_start, m.speech_end, m.decision)
         heard = RecordedUtterance(
             speech_start=start,

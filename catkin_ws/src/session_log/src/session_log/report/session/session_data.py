@@ -163,15 +163,15 @@ class SessionData:
     pictures: list[RecordedPicture] = field(default_factory=list)
     urdf: str = ""
     undecodable: Counter[str] = field(default_factory=Counter)  # messages by topic
-    clock_lags: dict[str, float] = field(  # of topics that another clock stamped:
-        default_factory=dict  # from stamp to arrival [s]
+    clock_lags: dict[str, float] = field(  # of topics that another clock stamped, or did at times:
+        default_factory=dict  # from stamp to arrival, where it is most [s]
     )
     clock_offsets: dict[str, float] = field(  # of topics whose clock is a little off: likewise,
         default_factory=dict  # at the least; their times are left as they are
     )
     missing_fields: set[str] = field(default_factory=set)  # what was recorded without which field
     intended: list[IntendedPhrase] = field(default_factory=list)
-    phrases: tuple[str, ...] = ()  # every command that the recogniser compared with
+    phrases: tuple[str, ...] = ()  # every command that the recogniser ever compared with
     called: dict[str, str] = field(  # by phrase: what the controller calls it, by recorded settings
         default_factory=dict
     )

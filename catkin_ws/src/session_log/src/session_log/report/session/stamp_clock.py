@@ -7,6 +7,7 @@ A simulated clock begins at zero, and the clocks of two hosts may differ.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,31 +15,34 @@ from numpy.typing import NDArray
 from session_log.types import MessageSource
 
 APART = 3.0  # [s] between a stamp and its arrival; more is another clock
-NEAR = 0.1  # [s] between them at the least, of many messages; on one host it is below 0.04
+NEAR = 0.1  # [s] between them at the least, in a stretch; on one host it is below 0.04
 MANY = 20  # messages: not all of them were late
+LONG = 10.0  # [s] of a stretch of many messages: no pause of the recorder makes all of it late
 
 Nanoseconds = NDArray[np.int64]
+Seconds = NDArray[np.float64]
 
 
 class StampClock:
-    """The clock behind the stamps of one source; the first of them decide whose it is.
+    """The clock behind the stamps of one source; a clock may be set while it is recorded.
 
     Args:
         source: Of the messages.
-        lags: By topic, from stamp to arrival [s]; those of another clock are added.
+        lags: By topic, the largest from stamp to arrival [s]; those of another clock are added.
     """
 
     def __init__(self, source: MessageSource, lags: dict[str, float]) -> None:
         self._source, self._lags = source, lags
-        self._is_other: bool | None = None  # unknown before the first stamp
-        self._count, self._smallest = 0, math.inf  # of stamps; [s] from one to its arrival
+        self._offset = 0.0  # [s] smallest lag of the stretch that is most off
+        self._count, self._smallest = 0, math.inf  # of the present stretch; lag [s]
+        self._begin = 0  # [ns] of that stretch
 
     @property
     def offset(self) -> tuple[str, float] | None:
         """The topic, and by how much its stamps are off the recorder's clock [s]; None: hardly."""
-        is_known = self._count >= MANY and not (self._is_other or self._source.is_latched)
-        is_off = is_known and abs(self._smallest) > NEAR
-        return (self._source.topic, self._smallest) if is_off else None
+        last = self._smallest if self._count >= MANY else 0.0
+        offset = max(self._offset, last, key=abs)
+        return (self._source.topic, offset) if abs(offset) > NEAR else None
 
     def in_log_time(
         self, stamps: Nanoseconds, arrivals: Nanoseconds, sent: Nanoseconds | None = None
@@ -51,17 +55,37 @@ class StampClock:
             sent: When they were sent, by the stamps' clock [ns], if not at those. As arrivals.
         """
         sent = stamps if sent is None else sent
-        lag = (arrivals - sent)[sent != 0]
-        if len(lag):
-            self._count += len(lag)
-            self._smallest = min(self._smallest, float(lag.min()) * 1e-9)
-        if self._is_other is None and len(lag):
-            self._is_other = self._judge(float(np.median(lag)) * 1e-9)
-        times = stamps + (arrivals - sent) if self._is_other else stamps
-        return np.where(stamps == 0, arrivals, times)
+        is_set = sent != 0
+        lag = np.where(is_set, arrivals - sent, 0)  # [ns]
+        is_other = _is_other(lag * 1e-9)
+        if not self._source.is_latched:  # which may have been sent long before
+            self._note_other(lag[is_other] * 1e-9)
+            is_near = is_set & (np.abs(lag) <= APART * 1e9)
+            self._note_near(lag[is_near] * 1e-9, arrivals[is_near])
+        return np.where(stamps == 0, arrivals, np.where(is_other, stamps + lag, stamps))
 
-    def _judge(self, lag: float) -> bool:
-        is_other = abs(lag) > APART
-        if is_other and not self._source.is_latched:  # which may have been sent long before
-            self._lags[self._source.topic] = lag
-        return is_other
+    def _note_other(self, lag: Seconds) -> None:
+        if len(lag):
+            topic, most = self._source.topic, float(np.median(lag))
+            self._lags[topic] = max(self._lags.get(topic, 0.0), most, key=abs)
+
+    def _note_near(self, lag: Seconds, arrivals: Nanoseconds) -> None:
+        """Take the smallest lag of each stretch; all of a stretch is off where a clock is."""
+        for first in range(0, len(lag), MANY):
+            part, times = lag[first : first + MANY], arrivals[first : first + MANY].tolist()
+            self._begin = self._begin if self._count else times[0]
+            self._count += len(part)
+            self._smallest = min(self._smallest, float(part.min()))
+            if self._count >= MANY and abs(times[-1] - self._begin) >= LONG * 1e9:
+                self._offset = max(self._offset, self._smallest, key=abs)
+                self._count, self._smallest = 0, math.inf
+
+
+def _is_other(lag: Seconds) -> NDArray[np.bool_]:
+    """Whether another clock stamped messages with these lags [s]; a few among others were late."""
+    is_other = np.abs(lag) > APART
+    changes = np.flatnonzero(np.diff(is_other)) + 1
+    for begin, end in pairwise(changes.tolist()):
+        if end - begin < MANY:
+            is_other[begin:end] = False
+    return is_other

@@ -172,7 +172,7 @@ def _is_complete(data: SessionData, config: ReportConfig) -> bool:
     lost = recording.missing or recording.dropped or recording.cuts
     elsewhere = namespaces_of(vars(config.topics).values(), recording.topics)
     unread = data.undecodable or data.missing_fields or elsewhere
-    changed = recording.clock_steps or data.clock_offsets
+    changed = recording.clock_steps or data.clock_lags or data.clock_offsets
     return not (recording.condition.troubles or lost or unread or changed)
 
 
