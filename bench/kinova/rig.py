@@ -28,7 +28,6 @@ from rst_control.kinova.feedback import FeedbackReader
 from rst_control.kinova.guard import StopGuard
 from rst_control.kinova.homing import home
 from rst_control.kinova.stand_in import KinovaRobot, StandInConfig, as_driven, load_stand_in_config
-from rst_control.kinova.tool import ToolState
 from rst_control.registration.trocar_context import ActiveTrocarContext, TrocarContext
 from rst_control.robot.backend import RobotBackend
 from rst_control.simulation.pybullet_robot import PybulletRobot
@@ -240,7 +239,7 @@ class KinovaRig(LockStep):
         def wait(condition: Callable[[], bool], limit: float) -> bool:
             return self.until(condition, limit)
 
-        home(request, lambda: self.bridge.tool.state or ToolState.UNINITIALIZED, wait)
+        home(request, self.bridge.tool, self.send_tool, wait)
         self.bridge.tool.is_homed = True
         self.run(0.3)
 

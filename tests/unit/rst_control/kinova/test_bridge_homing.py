@@ -7,6 +7,10 @@ import numpy as np
 import pytest
 
 from rst_control.kinova.bridge import Lead
+from rst_control.kinova.feedback import JointFeedback
+from rst_control.kinova.homing import home
+from rst_control.kinova.stand_in import load_stand_in_config
+from rst_control.kinova.stand_in.openrst import OpenRst
 from tests.unit.rst_control.kinova.fake_hardware import closing, standing
 
 
@@ -75,3 +79,43 @@ def test_while_it_is_homed_no_set_point_moves_the_arm(hardware, way):
     hardware.advance(1.0, way)
     np.testing.assert_array_equal(hardware.arm, place)
     assert "not homed" in hardware.bridge.fault(hardware.now)
+
+
+class OnStandIn:
+    """OpenRST's node as the stand-in has it, and what a bridge knows of it, on one clock."""
+
+    def __init__(self, bridge):
+        config = replace(load_stand_in_config().tool, homing_speed=1.4, homing_dwell=0.02)
+        self.node, self.bridge, self.now = OpenRst(config, (0.0, 0.0, 0.0)), bridge, 100.0
+
+    def wait(self, condition, limit):
+        end = self.now + limit
+        while not condition():
+            if self.now > end:
+                return False
+            self.now += 0.008
+            self.node.step(self.now, is_gripping=False)
+            self.bridge.tool.update_state(self.node.state.value)
+            if (seen := self.node.reported) is not None:
+                self.bridge.on_tool(JointFeedback(seen, np.zeros(3), np.zeros(3), self.now))
+        return True
+
+    def request(self, message):
+        answers = []
+        self.node.request(message, answers.append)
+        return self.wait(lambda: answers, 60.0)
+
+    def home(self):
+        return home(self.request, self.bridge.tool, self.node.take_command, self.wait)
+
+
+def test_a_tool_that_was_led_before_stays_where_its_homing_ends(hardware):
+    rig = OnStandIn(hardware.bridge)
+    rig.home()
+    rig.node.take_command([0.8, -0.3, 0.5])
+    rig.wait(lambda: False, 3.0)
+    assert rig.node.position == pytest.approx([0.8, -0.3, 0.5], abs=1e-6)
+    assert hardware.bridge.begin_homing() == ""
+    assert "homed" in rig.home()
+    rig.wait(lambda: np.abs(rig.node.position).max() > 0.01, 3.0)
+    assert rig.node.position == pytest.approx([0.0, 0.0, 0.0], abs=0.01)

@@ -76,9 +76,27 @@ def test_what_is_given_counts():
     assert value["/controller/controller/first_motion"] == "free"
     assert value["/kinova_bridge/bridge/arm/namespace"] == "a"
     assert value["/kinova_guard/bridge/arm/namespace"] == "a"
-    for node in ("kinova_bridge", "kinova_guard"):
-        assert value[f"/{node}/bridge/believed/arm"] == ["/robot", "/a/*"]
     assert "/robot" in found.nodes
+
+
+@pytest.mark.parametrize(
+    ("given", "arm", "tool"),
+    [
+        (["simulate:=true"], ["/robot"], ["/robot"]),
+        (STOP, ["/a/*"], ["/t/*"]),
+        ([*STOP, "simulate:=false"], ["/a/*"], ["/t/*"]),
+    ],
+)
+def test_either_the_simulated_robot_is_believed_or_the_drivers(given, arm, tool):
+    value = given_by(*TROCAR, *LIMITS, *given, "arm:=a", "tool:=t").parameters
+    for node in ("kinova_bridge", "kinova_guard"):
+        assert value[f"/{node}/bridge/believed/arm"] == arm
+    assert value["/kinova_bridge/bridge/believed/tool"] == tool
+
+
+def test_a_guard_on_another_host_hears_the_drivers_alone():
+    value = read([str(FILE.with_name("kinova_guard.launch")), "arm:=a"]).parameters
+    assert value["/kinova_guard/bridge/believed/arm"] == ["/a/*"]
 
 
 @pytest.mark.parametrize(

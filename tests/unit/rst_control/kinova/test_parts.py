@@ -209,6 +209,22 @@ def test_a_brake_that_the_driver_cannot_keep_is_refused():
         load_config(BridgeConfig, data, "bridge")
 
 
+@pytest.mark.parametrize("part", ["arm", "tool"])
+@pytest.mark.parametrize("name", ["/my_gen3", "my_gen3/", "/my_gen3/"])
+def test_a_namespace_with_a_slash_of_which_no_node_would_be_believed_is_refused(part, name):
+    data = load_yaml(CONFIG_FOLDER / "kinova_bridge.yaml")
+    data[part]["namespace"] = name
+    with pytest.raises(ConfigError, match=rf"{part}\.namespace is '{name}', allowed: my_gen3, "):
+        load_config(BridgeConfig, data, "bridge")
+
+
+@pytest.mark.parametrize("name", ["my_gen3", "left/my_gen3"])
+def test_a_namespace_may_lie_within_another(name):
+    data = load_yaml(CONFIG_FOLDER / "kinova_bridge.yaml")
+    data["arm"]["namespace"] = name
+    assert load_config(BridgeConfig, data, "bridge").arm.namespace == name
+
+
 @pytest.mark.parametrize(("silence", "is_refused"), [(0.055, True), (0.061, False)])
 def test_a_silence_within_which_a_slow_bridge_counts_as_hung_is_refused(silence, is_refused):
     data = load_yaml(CONFIG_FOLDER / "kinova_bridge.yaml")

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from rst_control.kinova.config import load_kinova_config
 from rst_control.kinova.feedback import JointFeedback
 from rst_control.kinova.homing import HomingFailed, answered, home
 from rst_control.kinova.tool import Grip, Tool, ToolState
@@ -155,10 +156,13 @@ class TestGrip:
 
 
 class FakeNode:
-    """Grants what it is asked for, but for what is named."""
+    """Grants what it is asked for, but for what is named; ready, it reports these joints [rad]."""
 
-    def __init__(self, refuses="", stays=""):
-        self.asked, self.state = [], ToolState.UNINITIALIZED
+    def __init__(self, refuses="", stays="", joints=(0.0, 0.0, 0.0), signs=(1.0, 1.0, 1.0)):
+        bridge = load_kinova_config().bridge
+        self.tool = Tool(replace(bridge.tool, signs=signs), bridge.grip)
+        self.tool.take(feedback(0.7, 0.2, 0.3))  # as before
+        self.asked, self.sent, self.joints = [], [], joints
         self.refuses, self.stays = refuses, stays
 
     def request(self, name):
@@ -169,17 +173,34 @@ class FakeNode:
             "pos_control_on": ToolState.POSITION_CONTROL,
         }
         if name != self.stays:
-            self.state = leads[name]
+            self.tool.update_state(leads[name].value)
+        if self.tool.state is ToolState.READY and self.joints is not None:
+            self.tool.take(feedback(*self.joints))
         return name != self.refuses
 
     def home(self):
-        return home(self.request, lambda: self.state, lambda condition, limit: condition())
+        send = lambda joints: self.sent.append((self.asked[-1], joints.tolist()))  # noqa: E731
+        return home(self.request, self.tool, send, lambda condition, limit: condition())
 
 
 def test_homing_asks_in_order():
     node = FakeNode()
     assert "homed" in node.home()
     assert node.asked == ["connect", "calibrate", "pos_control_on"]
+
+
+def test_once_it_is_ready_it_is_sent_where_it_reports_to_be_and_only_then_controlled():
+    node = FakeNode(joints=(0.02, -0.01, 0.03), signs=(-1.0, 1.0, -1.0))
+    node.home()
+    assert node.sent == [("calibrate", pytest.approx([-0.02, -0.01, -0.03]))]
+    assert node.asked[-1] == "pos_control_on"
+
+
+def test_a_tool_that_reports_no_joints_once_it_is_ready_is_not_controlled():
+    node = FakeNode(joints=None)
+    with pytest.raises(HomingFailed, match='"calibrate" left it in READY without joints'):
+        node.home()
+    assert node.asked == ["connect", "calibrate"] and node.sent == []
 
 
 @pytest.mark.parametrize("name", ["connect", "calibrate", "pos_control_on"])

@@ -83,6 +83,30 @@ def test_homed_it_follows_commands_and_holds_the_last_for_ever():
     assert rig.node.reported == pytest.approx([0.3, -0.2, 0.4], abs=1e-6)
 
 
+def test_homing_keeps_the_last_command_and_position_control_then_goes_there():
+    rig = Rig().home()
+    rig.node.take_command([0.3, -0.2, 0.4])
+    rig.run(2.0)
+    rig.home()
+    assert rig.node.position == pytest.approx([0.0, 0.0, 0.0])
+    rig.run(2.0)
+    assert rig.node.reported == pytest.approx([0.3, -0.2, 0.4], abs=1e-6)
+
+
+def test_a_command_while_it_is_only_connected_counts_once_its_controller_ran():
+    rig = Rig()
+    rig.ask("connect")
+    rig.node.take_command([0.3, -0.2, 0.4])  # its controller starts where the joints are
+    rig.home()
+    rig.run(2.0)
+    assert rig.node.reported == pytest.approx([0.0, 0.0, 0.0])
+    rig.ask("connect")
+    rig.node.take_command([0.1, 0.0, 0.2])
+    rig.home()
+    rig.run(2.0)
+    assert rig.node.reported == pytest.approx([0.1, 0.0, 0.2], abs=1e-6)
+
+
 def test_commands_are_not_clamped_the_joint_stops_at_its_stop():
     rig = Rig().home()
     rig.node.take_command([9.0, 0.0, 0.0])

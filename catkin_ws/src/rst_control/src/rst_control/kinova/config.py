@@ -54,6 +54,7 @@ class ArmConfig:
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""
+        _require_namespace(self.namespace)
         names = list(self.joints)
         allowed = f"{ARM_COUNT} names that differ, from the base on"
         require(len(names) == len(set(names)) == ARM_COUNT, "joints", names, allowed)
@@ -82,6 +83,7 @@ class ToolConfig:
 
     def __post_init__(self) -> None:
         """Check what no key shows alone."""
+        _require_namespace(self.namespace)
         names = list(self.joints)
         allowed = f"{TOOL_COUNT} names that differ: pitch, left jaw, right jaw"
         require(len(names) == len(set(names)) == TOOL_COUNT, "joints", names, allowed)
@@ -185,6 +187,12 @@ def require_drivable(config: KinovaConfig) -> None:
         reach = min(-led.lower[joint], led.upper[joint])
         allowed = f"up to {reach:g} rad, which tool.lower and tool.upper leave {led.names[joint]}"
         require(planned <= reach, "limits.pitch, limits.finger", planned, allowed)
+
+
+def _require_namespace(name: str) -> None:
+    """Names of believed nodes are made of it: "//my_gen3/*" would fit none."""
+    bare = name.strip("/")
+    require(name == bare, "namespace", name, f"{bare or 'a name'}, without / at its ends")
 
 
 def _require_driver_keeps(key: str, planned: Sequence[float], arm: ArmConfig) -> None:

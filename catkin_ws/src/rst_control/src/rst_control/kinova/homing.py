@@ -8,9 +8,12 @@ from concurrent.futures import Future
 from typing import Final
 
 from rst_control.errors import RstError
-from rst_control.kinova.tool import HOMING, ToolState
+from rst_control.kinova.tool import HOMING, Tool, ToolState
+from rst_control.types import Vector
 
-STATE_TIME: Final = 2.0  # [s] for the state to be reported after a request was granted
+STATE_TIME: Final = 2.0  # [s] for state and joints to be reported after a request was granted
+SENDING_TIME: Final = 0.1  # [s] for which a command is repeated, so that it precedes the request
+Wait = Callable[[Callable[[], bool], float], bool]  # for a condition, up to so long [s]; if it held
 
 
 class HomingFailed(RstError):
@@ -48,14 +51,16 @@ class NotAllowed(RstError):
 
 def home(
     request: Callable[[str], bool],
-    state: Callable[[], ToolState | None],
-    wait: Callable[[Callable[[], bool], float], bool],
+    tool: Tool,
+    send: Callable[[Vector], None],
+    wait: Wait,
 ) -> str:
     """Bring the tool into position control, homed; its jaws and pitch move over their whole range.
 
     Args:
         request: Asks the node for something, and returns whether it did it; may raise this error.
-        state: What the node last said of itself.
+        tool: What the node last said of itself.
+        send: Takes pitch and jaws [rad], in the node's own signs. Shape (3,).
         wait: Waits for a condition, for so many seconds; whether it came to hold.
 
     Returns:
@@ -67,9 +72,25 @@ def home(
     for name, wanted in HOMING:
         if not request(name):
             raise HomingFailed(name, "was refused")
-        if not wait(lambda wanted=wanted: state() in wanted, STATE_TIME):  # type: ignore[misc]
-            now = state()
+        if not wait(lambda wanted=wanted: tool.state in wanted, STATE_TIME):  # type: ignore[misc]
+            now = tool.state
             found = "reported no state" if now is None else f"left it in {now.name}"
             needed = " or ".join(one.name for one in wanted)
             raise HomingFailed(name, f"{found}, needed: {needed}")
+        if ToolState.READY in wanted:
+            _stay(tool, send, wait)
     return "OpenRST is homed, and in position control"
+
+
+def _stay(tool: Tool, send: Callable[[Vector], None], wait: Wait) -> None:
+    """Send the tool where it is: its node kept the last command, and would drive it there."""
+    wait(lambda: tool.feedback is not None, STATE_TIME)
+    if (seen := tool.feedback) is None:
+        raise HomingFailed("calibrate", "left it in READY without joints reported")
+    place = tool.command(seen.position)
+
+    def keep_sending() -> bool:
+        send(place)
+        return False
+
+    wait(keep_sending, SENDING_TIME)

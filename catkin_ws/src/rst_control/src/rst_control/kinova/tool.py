@@ -76,11 +76,14 @@ class Tool:
         self.feedback = replace(feedback, velocity=frozen_array(velocity, len(moved)))
 
     def update_state(self, number: int) -> None:
-        """Take in what the node says; homing is lost where it was disconnected or switched off."""
+        """Take in what the node says.
+
+        Homing is lost where it was disconnected or switched off, and it reports no joints then.
+        """
         known = [state for state in ToolState if state.value == number]
         self.state = known[0] if known else None
         if self.state in (None, ToolState.UNINITIALIZED, ToolState.CONNECTED):
-            self.is_homed = False
+            self.is_homed, self.feedback = False, None
 
     @property
     def joints(self) -> JointFeedback:
@@ -115,8 +118,8 @@ class Tool:
         tissue are not driven ever harder; then each joint is held within its limits.
         """
         pitch, left, right = joints.tolist()
-        if self.feedback is not None:
-            least = float(self.feedback.position[1:].sum()) - self._over_close
+        if (seen := self.feedback) is not None:
+            least = float(seen.position[1:].sum()) - self._over_close
             missing = max(0.0, least - (left + right))
             left, right = left + 0.5 * missing, right + 0.5 * missing
         signed = np.array([pitch, left, right]) * np.array(self._config.signs)

@@ -2,8 +2,11 @@
 """OpenRST's control node and its three joints.
 
 It grants every request that it knows: position control without homing too, and then takes the
-joints to stand at zero wherever they are. Its last command holds for ever, nothing is clamped, and
-a joint sent past its range is driven against its stop. Joint states come only once it is ready.
+joints to stand at zero wherever they are. Its last command holds for ever, through homing too.
+Nothing is clamped, and a joint sent past its range is driven against its stop. Joint states come
+only once it is ready.
+
+Source of the command: JointGroupPositionController of ros_controllers, which starts once.
 """
 
 from __future__ import annotations
@@ -36,7 +39,7 @@ class OpenRst:
         self._config, self._stops = config, np.array(config.stops)
         self.position, self.velocity = np.array(position, dtype=float), np.zeros(3)
         self.state, self.is_homed = ToolState.UNINITIALIZED, False
-        self._command: Vector | None = None  # None: none since the controller started
+        self._command: Vector | None = None  # None: the controller never ran
         self._homing: Homing | None = None
         self._reply: Reply | None = None
         self._last = -np.inf
@@ -84,7 +87,7 @@ class OpenRst:
         if not np.isfinite(values).all():
             log.error("command with a number that is not finite: what a motor does then is unknown")
             return
-        if self.state >= ToolState.READY:
+        if self._command is not None:
             self._command = np.array(values, dtype=float)
 
     def step(self, now: float, is_gripping: bool) -> None:
@@ -143,17 +146,15 @@ class OpenRst:
         return np.array(self._config.signs) * joints
 
     def _connect(self) -> None:
-        self.state, self._command = ToolState.CONNECTED, None
+        self.state = ToolState.CONNECTED
 
     def _disconnect(self) -> None:
-        self.state, self._command = ToolState.UNINITIALIZED, None
+        self.state = ToolState.UNINITIALIZED
 
     def _control(self, state: ToolState) -> None:
         if self.state is not ToolState.READY:
             log.error("OpenRST is not READY but %s; granted all the same", self.state.name)
-        if self._command is None:
-            self._command = self.reported if self.reported is not None else np.zeros(3)
-        self.state = state
+        self._enter(state)
 
     def _control_off(self) -> None:
         self.state = ToolState.CONNECTED
@@ -162,10 +163,16 @@ class OpenRst:
         if self.state is ToolState.CONNECTED:
             self._homing = Homing(self._config)
             return
-        self.state = ToolState.READY  # without having homed
+        self._enter(ToolState.READY)  # without having homed
+
+    def _enter(self, state: ToolState) -> None:
+        """Be in a state in which the controller runs; its first command is where it starts."""
+        self.state = state
+        if self._command is None:
+            self._command = self.reported
 
     def _end_homing(self) -> None:
-        self._homing, self.is_homed, self._command = None, True, self.position.copy()
-        self.state = ToolState.READY
+        self._homing, self.is_homed = None, True
+        self._enter(ToolState.READY)
         if self._reply is not None:
             self._reply(True)

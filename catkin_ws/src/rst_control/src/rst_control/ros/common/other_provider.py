@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Whether another node offers a service that only one may offer.
 
-ROS sends all calls to the one that registered last, so a second controller would take every "stop"
-by service from the one that moves the robot.
+ROS sends all calls to the one that registered last. So a second controller would take every "stop"
+by service from the one that moves the robot, and a simulated driver the services of the real one.
 """
 
 from __future__ import annotations

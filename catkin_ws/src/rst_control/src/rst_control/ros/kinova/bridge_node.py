@@ -209,7 +209,8 @@ class KinovaBridgeNode:
             return TriggerResponse(False, "OpenRST is being homed already")
         try:
             self._may_home()
-            words = home(self._hardware.request, lambda: self._bridge.tool.state, _wait)
+            hardware = self._hardware
+            words = home(hardware.request, self._bridge.tool, hardware.send_tool, _wait)
             self._jobs.append(lambda: setattr(self._bridge.tool, "is_homed", True))
         except (RstError, rospy.ServiceException, rospy.ROSException) as error:
             return TriggerResponse(False, str(error))

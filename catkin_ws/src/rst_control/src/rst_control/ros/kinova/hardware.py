@@ -18,8 +18,8 @@ from rst_control.kinova.arm_state import ArmReport
 from rst_control.kinova.brake_plan import BrakePlan
 from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.feedback import BadFeedback, FeedbackReader, JointFeedback, rows_of
-from rst_control.kinova.homing import answered
-from rst_control.ros.kinova.arm_report import read_report
+from rst_control.kinova.homing import HomingFailed, answered
+from rst_control.ros.kinova.arm_report import LOST_CONNECTION, read_report
 from rst_control.types import Vector
 from typed_config.ros.known_publishers import KnownPublishers
 
@@ -63,6 +63,8 @@ class KinovaHardware:
         self._tool = rospy.Publisher(
             f"{tool}/effort_controller/command", Float64MultiArray, **newest
         )
+        self._asked, self._answer = "", Future[bool]()  # the last request to OpenRST
+        self._answer.set_result(True)
 
     def send_speeds(self, speeds: Vector) -> None:
         """Turn the arm's joints at these speeds [rad/s]. Shape (7,)."""
@@ -105,20 +107,23 @@ class KinovaHardware:
         """Ask OpenRST's node for something, and wait for the answer.
 
         Raises:
-            rospy.ServiceException: The node does not know it, or died.
             rospy.ROSException: There is no such node.
-            HomingFailed: There was no answer within `tool.homing_limit`. The node goes on: nothing
-                ends its homing where the instrument does not engage.
+            HomingFailed: The node does not know it, or died, or there was no answer within
+                `tool.homing_limit`. Then the node goes on, because nothing ends its homing where
+                the instrument does not engage. So nothing else is asked until it has answered.
         """
+        if not self._answer.done():
+            raise HomingFailed(self._asked, "is still not answered: end OpenRST's node")
         name, limit = f"{self._config.tool.namespace}/openrst_request", 5.0
         rospy.wait_for_service(name, limit)
-        answer: Future[bool] = Future()
+        answer = Future[bool]()
+        self._asked, self._answer = message, answer
 
         def ask() -> None:
             try:
                 answer.set_result(rospy.ServiceProxy(name, openrst_request)(message).succeeded)
-            except (rospy.ServiceException, rospy.ROSException) as error:
-                answer.set_exception(error)
+            except (rospy.ServiceException, rospy.ROSException, *LOST_CONNECTION) as error:
+                answer.set_exception(HomingFailed(message, f"was not answered: {error}"))
 
         threading.Thread(target=ask, name="openrst_request", daemon=True).start()
         return answered(answer, message, self._config.tool.homing_limit)

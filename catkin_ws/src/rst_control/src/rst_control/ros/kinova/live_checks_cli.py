@@ -187,7 +187,10 @@ def _checks(given: argparse.Namespace) -> tuple[LiveChecks, KinovaConfig]:
 
 
 def _config(given: argparse.Namespace) -> KinovaConfig:
-    """What the bridge would have with the same arguments of kinova.launch; overrides come last."""
+    """What the bridge would have with the same arguments of kinova.launch; overrides come last.
+
+    The drivers are believed, and their simulation as well.
+    """
     merged: Mapping[str, object] = {
         "limits": load_yaml(given.limits),
         "scene": load_yaml(given.scene),

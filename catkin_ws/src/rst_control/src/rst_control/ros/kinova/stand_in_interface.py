@@ -28,6 +28,7 @@ from rst_control.config import SimulationConfig
 from rst_control.kinova.arm_state import FIRMWARE_SERVICE, LIMITS_SERVICE
 from rst_control.kinova.stand_in import KinovaRobot, StandInConfig
 from rst_control.kinova.stand_in.simulated_robot import ArmFeedback
+from rst_control.ros.common.other_provider import other_provider
 from rst_control.ros.common.republisher import Due
 from rst_control.ros.kinova.arm_report import read_report, written_limits, written_report
 from rst_control.ros.kinova.stand_in_goals import RosGoal
@@ -36,7 +37,17 @@ from rst_control.simulation.pybullet_robot import PybulletRobot
 
 HOMING_LIMIT = 120.0  # [s] for a request to be answered
 FIRMWARE = "stand-in"
+REQUEST_SERVICE = "openrst_request"
 ALIVE_PERIOD = 0.1  # [s] between checks whether the node ends while a request waits
+
+
+def other_driver(config: StandInConfig) -> str:
+    """A living node that has these drivers' services already; empty: none has.
+
+    The two would share all commands, and the services would be those of the later one.
+    """
+    services = f"{config.driver.name}/{LIMITS_SERVICE}", f"{config.tool.name}/{REQUEST_SERVICE}"
+    return next(filter(None, map(other_provider, services)), "")
 
 
 class DriverInterface:
@@ -131,7 +142,9 @@ class DriverInterface:
                 f"{arm}/{FIRMWARE_SERVICE}", GetFirmwareBundleVersions, lambda _: firmware
             ),
         ]
-        self._service = rospy.Service(f"{tool}/openrst_request", openrst_request, self._on_request)
+        self._service = rospy.Service(
+            f"{tool}/{REQUEST_SERVICE}", openrst_request, self._on_request
+        )
         self._server = actionlib.ActionServer(
             f"{arm}/gen3_joint_trajectory_controller/follow_joint_trajectory",
             FollowJointTrajectoryAction,

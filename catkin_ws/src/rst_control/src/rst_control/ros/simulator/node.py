@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 import threading
 import time
 from collections import deque
@@ -23,7 +24,7 @@ from rst_control.errors import RstError
 from rst_control.kinova.stand_in import StandInConfig, as_driven
 from rst_control.robot.setpoint_servo import ServoState
 from rst_control.ros.common.priority import ask_for_priority, spare_the_loop
-from rst_control.ros.kinova.stand_in_interface import DriverInterface
+from rst_control.ros.kinova.stand_in_interface import DriverInterface, other_driver
 from rst_control.ros.rospy_patches.message_limits import limit_messages
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
 from rst_control.ros.simulator.diagnostics import SimulatorDiagnostics, publish_places
@@ -39,7 +40,7 @@ from rst_control.simulation.rendering.worker import SceneLostError
 from typed_config import ConfigError, load_config
 from typed_config.ros.known_publishers import KnownPublishers
 from typed_config.ros.launch_settings import launch_settings
-from typed_config.ros.starting import starting, wait_for_clock
+from typed_config.ros.starting import WRONG, starting, wait_for_clock
 
 log = logging.getLogger("rosout.rst_control.simulator")
 
@@ -51,6 +52,10 @@ IN_TIME = LatenessConfig(
     command_delay=0.0, command_jitter=0.0, feedback_delay=0.0, feedback_jitter=0.0
 )
 STRICT = "kinova_strict"  # the mode that stands in for the real drivers
+DRIVEN = (
+    "the simulated drivers cannot start: %s is a driver of the same name; end the drivers first, "
+    "or use another ROS master"
+)
 
 
 class RobotInterface(Protocol):
@@ -222,6 +227,9 @@ def main() -> None:
     with starting("robot", needs_clock=False, refusals=refusals, launch="robot.launch"):
         given = launch_settings()
         config, stand_in = read_parameters(given)
+        if stand_in is not None and (driver := other_driver(stand_in)):
+            rospy.logfatal(DRIVEN, driver)
+            sys.exit(WRONG)
         if config.simulator.real_time_factor == 1.0:
             wait_for_clock()  # else the clock is that of this node
         node = SimulatorNode(config, Path(str(given.get("urdf", URDF_FILE))), stand_in)
