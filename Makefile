@@ -35,8 +35,8 @@ help: ## list the verbs
 	@docker/setup.sh system $<
 	@mkdir -p .setup && touch $@
 
-# Without the old stamp, which would hide that this was interrupted
-.setup/python: .setup/system requirements.txt docker/constraints.txt $(OLD_PYTHON)
+# Without the old stamp, which would hide that this was interrupted. .setup/torch has the TORCH of the last set-up.
+.setup/python: .setup/system requirements.txt docker/constraints.txt $(if $(WHEELS)$(filter-out $(file <.setup/torch),$(TORCH)),FORCE,$(OLD_PYTHON))
 	@rm -f $@
 	@docker/setup.sh python requirements.txt
 	@touch $@
@@ -61,7 +61,7 @@ help: ## list the verbs
 
 FORCE:
 
-setup: .setup/workspace ## install and build what the nodes, `make demo` and `make report` need; UNDERLAY=devel[:devel] builds upon other workspaces
+setup: .setup/workspace ## install and build what the nodes, `make demo` and `make report` need; TORCH=cpu|cuda chooses torch's build, UNDERLAY=devel[:devel] builds upon other workspaces
 
 install: setup ## PREFIX=/opt/voice_assist: an install space that runs without this folder's sources; Python packages stay in .venv
 	@docker/setup.sh install "$$PREFIX"

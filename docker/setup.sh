@@ -65,14 +65,14 @@ then run the same make command again."
     $sudo env DEBIAN_FRONTEND=noninteractive $line
 }
 
-# torch_build: "cpu" or "cuda", by the variable TORCH or else by the machine's card and what the index, or WHEELS, offers.
+# torch_build: "cpu" or "cuda", by torch_given or else by the machine's card and what the index, or WHEELS, offers.
 torch_build() {
     wished=$(torch_wished) || exit 1
     [ "$wished" = cpu ] || { echo cuda && return; }
     version=$(sed -n 's/^torch==\(.*+cpu\) --hash.*/\1/p' docker/constraints.txt)
     if has_torch "$version"; then
         echo cpu
-    elif [ -n "${TORCH:-}" ]; then
+    elif [ -n "$(torch_given)" ]; then
         fail "TORCH=cpu, but ${WHEELS:-the package index} has no torch $version: name one that has in PIP_EXTRA_INDEX_URL, or set TORCH=cuda"
     else
         echo cuda
@@ -89,11 +89,17 @@ has_torch() {
     fi
 }
 
+# torch_given: what TORCH says, or said at an earlier set-up. A folder of wheels has a build of its own.
+torch_given() {
+    if [ -n "${TORCH+given}${WHEELS:-}" ]; then echo "${TORCH:-}"; else cat .setup/torch 2>/dev/null || true; fi
+}
+
 torch_wished() {
-    case "${TORCH:-}" in
-    cpu | cuda) echo "$TORCH" ;;
+    given=$(torch_given)
+    case "$given" in
+    cpu | cuda) echo "$given" ;;
     "") if [ -z "${WHEELS:-}" ] && [ -e "$SYSTEM_ROOT/proc/driver/nvidia/version" ]; then echo cuda; else echo cpu; fi ;;
-    *) fail "TORCH=$TORCH, allowed: cpu, cuda, or empty to choose by the machine's card" ;;
+    *) fail "TORCH=$given, allowed: cpu, cuda, or empty to choose by the machine's card" ;;
     esac
 }
 
@@ -168,6 +174,7 @@ python_packages() {
     from=$(wheels) || exit 1
     .venv/bin/python -m pip install --progress-bar on --no-deps --require-hashes $from -r "$pins" ||
         fail "The Python packages above could not be had. Without a network: docs/how-to/install.md#without-a-network"
+    if [ -n "${TORCH+given}" ]; then mkdir -p .setup && printf '%s\n' "$TORCH" >.setup/torch; fi
     [ ! -e .venv.old ] || mv .venv.old .venv.gone # first, as removing it may be interrupted
     rm -rf .venv.gone
 }

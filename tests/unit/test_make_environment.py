@@ -134,9 +134,10 @@ def installed_in(copy, folder, text=SHORT):
     pip.write_text(text.format(folder), encoding="utf-8")
 
 
-def steps(copy, goal="setup"):
+def steps(copy, *words):
     """Steps of set-up that make would take, in their order."""
-    begin, lines = "docker/setup.sh ", make("--dry-run", goal, folder=copy).stdout.splitlines()
+    done = make("--dry-run", *(words or ["setup"]), folder=copy)
+    begin, lines = "docker/setup.sh ", done.stdout.splitlines()
     return [line.removeprefix(begin) for line in lines if line.startswith(begin)]
 
 
@@ -148,6 +149,15 @@ def test_a_folder_that_was_set_up_needs_nothing(copy):
     assert steps(copy) == []
     built_in(copy, copy)
     assert steps(copy) == steps(copy, ".setup/bench") == []
+
+
+@pytest.mark.parametrize("word", ["TORCH=cpu", "TORCH=cuda", "TORCH=gpu", "WHEELS=/wheels"])
+def test_another_build_of_torch_and_a_folder_of_wheels_are_not_passed_over(copy, word):
+    assert steps(copy, "setup", word) == [PYTHON, WORKSPACE]
+    (copy / ".setup/torch").write_text("cuda\n", encoding="utf-8")
+    expected = [] if word == "TORCH=cuda" else [PYTHON, WORKSPACE]
+    assert steps(copy, "setup", word) == expected
+    assert steps(copy) == steps(copy, "setup", "TORCH=", "WHEELS=") == []
 
 
 def test_what_was_removed_is_made_again(copy):
@@ -223,8 +233,10 @@ def packages(copy):
     python.write_text(VENV, encoding="utf-8")
     python.chmod(0o755)
 
-    def packages():
-        given = {**PLAIN, "SYSTEM_ROOT": str(root), "TORCH": "cuda"}
+    def packages(torch="cuda"):
+        given = {**PLAIN, "SYSTEM_ROOT": str(root)}
+        if torch is not None:
+            given["TORCH"] = torch
         words = ["docker/setup.sh", "python", "requirements.txt"]
         subprocess.run(words, cwd=copy, env=given, capture_output=True, check=True)
 
@@ -258,3 +270,19 @@ def test_where_the_packages_cannot_be_fetched_the_old_environment_stays(copy, pa
     (copy / "no-network").unlink()
     packages()
     assert not kept.exists() and not (copy / ".venv.old").exists()
+
+
+def test_a_build_of_torch_is_remembered_once_it_is_there(copy, packages):
+    chosen = copy / ".setup/torch"
+    assert chosen.read_text(encoding="utf-8") == "cuda\n"
+    packages(None)
+    assert chosen.read_text(encoding="utf-8") == "cuda\n"
+    with pytest.raises(subprocess.CalledProcessError):
+        packages("gpu")
+    (copy / "no-network").touch()
+    with pytest.raises(subprocess.CalledProcessError):
+        packages("")
+    assert chosen.read_text(encoding="utf-8") == "cuda\n"
+    (copy / "no-network").unlink()
+    packages("")  # which goes back to the choice by the card
+    assert chosen.read_text(encoding="utf-8") == "\n"

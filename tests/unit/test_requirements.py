@@ -4,6 +4,7 @@
 import importlib.util
 import os
 import re
+import shutil
 import subprocess
 from functools import cache
 from importlib.metadata import packages_distributions
@@ -114,11 +115,15 @@ def chosen(tmp_path, file, *, card=False, **environment):
 
 
 def called(tmp_path, function, *words, **environment):
-    """A function of set-up, alone."""
+    """A function of set-up, alone, in a checkout of its own: this one may remember a choice."""
     library = (ROOT / "docker/setup.sh").read_text(encoding="utf-8").partition("\nmachine\n")[0]
-    line = f'cd "{ROOT}/docker"; {library}\n{function} "$@"'
+    docker = tmp_path / "checkout/docker"
+    if not docker.exists():
+        docker.mkdir(parents=True)
+        shutil.copy(ROOT / "docker/constraints.txt", docker)
+        (docker.parent / ".venv").symlink_to(ROOT / ".venv")
     return subprocess.run(
-        ["/bin/sh", "-c", line, str(ROOT / "docker/x"), *words],
+        ["/bin/sh", "-c", f'{library}\n{function} "$@"', str(docker / "x"), *words],
         env={"PATH": os.environ["PATH"], "SYSTEM_ROOT": str(tmp_path), **environment},
         capture_output=True,
         text=True,
@@ -140,6 +145,37 @@ def test_the_variable_comes_before_the_card(tmp_path):
     packages, said = chosen(tmp_path, "requirements.txt", card=True, TORCH="cpu")
     assert CUDA not in packages and not [p for p in packages if p.startswith("nvidia-")]
     assert CPU in packages or "PIP_EXTRA_INDEX_URL" in said  # if this machine has the CUDA build
+
+
+def remembered(tmp_path, build):
+    """Let an earlier set-up have been called with that build."""
+    (tmp_path / "checkout/.setup").mkdir(parents=True, exist_ok=True)
+    (tmp_path / "checkout/.setup/torch").write_text(f"{build}\n", encoding="utf-8")
+
+
+@pytest.mark.parametrize(("build", "card"), [("cpu", True), ("cuda", False)])
+def test_a_choice_is_remembered_until_another_is_given(tmp_path, build, card):
+    chosen(tmp_path, "requirements.txt", card=card)
+    remembered(tmp_path, build)
+    other, by_card = {"cpu": "cuda", "cuda": "cpu"}[build], "cuda" if card else "cpu"
+    assert called(tmp_path, "torch_wished").stdout == f"{build}\n"
+    assert called(tmp_path, "torch_wished", TORCH=other).stdout == f"{other}\n"
+    assert called(tmp_path, "torch_wished", TORCH="").stdout == f"{by_card}\n"
+
+
+def test_a_remembered_cpu_build_that_cannot_be_had_is_not_replaced(tmp_path):
+    remembered(tmp_path, "cpu")
+    assert called(tmp_path, "torch_wished").stdout == "cpu\n"
+    (tmp_path / "checkout/.venv").unlink()  # with the build that is installed
+    packages, said = chosen(tmp_path, "requirements.txt")
+    assert not packages and "TORCH=cpu, but the package index has no torch" in said
+
+
+def test_a_folder_of_wheels_comes_before_what_is_remembered(tmp_path):
+    (tmp_path / "torch-2.13.0+cpu-cp311-cp311-manylinux_2_28_x86_64.whl").touch()
+    remembered(tmp_path, "cuda")
+    packages, _ = chosen(tmp_path, "requirements.txt", WHEELS=str(tmp_path))
+    assert CPU in packages and CUDA not in packages
 
 
 def test_another_word_for_the_choice_is_refused(tmp_path):
