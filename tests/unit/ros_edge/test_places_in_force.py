@@ -24,6 +24,10 @@ class Master:
         self.kept[key] = value
 
 
+def resolved(name):
+    return name.replace("~", "/controller/")
+
+
 @pytest.fixture
 def master(monkeypatch):
     master = Master()
@@ -31,10 +35,8 @@ def master(monkeypatch):
     for name, value in {
         "Publisher": lambda *_, **__: topic(),
         "get_name": lambda: "/controller",
-        "resolve_name": lambda name: name.replace("~", "/controller/"),
-        "get_param": lambda name, default: master.kept.get(
-            name.replace("~", "/controller/"), default
-        ),
+        "resolve_name": resolved,
+        "get_param": lambda name, default: master.kept.get(resolved(name), default),
         "logwarn": lambda *_: None,
     }.items():
         monkeypatch.setattr(module.rospy, name, value)

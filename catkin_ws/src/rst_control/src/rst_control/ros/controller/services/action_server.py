@@ -94,12 +94,10 @@ class GuardedServer(actionlib.ActionServer):
             self._on_cancel_all(goal_id)
         goal_id.stamp = _not_after_now(goal_id.stamp)
         with self.lock:
-            states = [
-                s.status.status for s in self.status_list if s.status.goal_id.id == goal_id.id
-            ]
-        if GoalStatus.PREEMPTED in states:
+            known = [s.status for s in self.status_list if s.status.goal_id.id == goal_id.id]
+        if any(status.status == GoalStatus.PREEMPTED for status in known):
             self._on_late_cancel(goal_id)
-        if goal_id.id and not states and self._too_much(goal_id):
+        if goal_id.id and not known and self._too_much(goal_id):
             if goal_id.stamp.is_zero():
                 return
             goal_id = GoalID(goal_id.stamp, "")  # it still cancels all that is older
