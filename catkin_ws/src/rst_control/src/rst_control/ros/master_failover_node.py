@@ -161,7 +161,7 @@ def _text(answer: object) -> str:
 
 def main() -> None:
     """Run the node."""
-    with starting("master_failover", needs_clock=False):
+    with starting("master_failover", __doc__, needs_clock=False):
         failover, is_there = MasterFailover(), True
     while not rospy.is_shutdown():
         try:

@@ -144,7 +144,7 @@ class TorqueTensionNode:
 
 def main() -> None:
     """Run the node."""
-    with starting("torque_tension", refusals=(ConfigError, RstError)):
+    with starting("torque_tension", __doc__, refusals=(ConfigError, RstError)):
         settings = launch_settings()
         scene = load_config(SceneConfig, settings.pop("scene", {}), "torque_tension: scene")
         config = load_config(TorqueTensionConfig, settings, "torque_tension parameters")

@@ -214,7 +214,7 @@ def main() -> None:
     """Run the node."""
     with suppress(OSError):
         os.setpriority(os.PRIO_PROCESS, 0, NICE)
-    with starting("foxglove", needs_clock=False):
+    with starting("foxglove", __doc__, needs_clock=False):
         config = private_settings(FoxgloveConfig, FILE)
         try:
             import foxglove  # noqa: F401

@@ -225,7 +225,7 @@ class RecorderNode:
 
 def main() -> None:
     """Run the recorder node."""
-    with starting("recorder", needs_clock=False):
+    with starting("recorder", __doc__, needs_clock=False):
         settings: Any = rospy.get_param("~", {})
         config = load_config(RecorderConfig, settings, "recorder.yaml")
         node = RecorderNode(config)

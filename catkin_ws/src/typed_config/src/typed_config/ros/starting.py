@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The start of a node: what ends it, and that it has the time of ROS."""
+"""The start of a node: its command line, what ends it, and that it has the time of ROS."""
 
 from __future__ import annotations
 
+import argparse
 import atexit
 import os
 import signal
@@ -31,6 +32,7 @@ CLOCK_AGAIN = 10.0  # [s] after which it is named again
 @contextmanager
 def starting(
     name: str,
+    about: str | None,
     needs_clock: bool = True,
     refusals: tuple[type[Exception], ...] = (ConfigError,),
     launch: str = "",
@@ -46,10 +48,12 @@ def starting(
 
     Args:
         name: Of the node.
+        about: What it is, for `--help`; no other word of the command line is taken.
         needs_clock: Where the time is simulated, the start waits for /clock.
         refusals: Kinds of such errors.
         launch: File that starts the node with all that it needs; named beside the error.
     """
+    refuse_words(about, launch)
     received: list[int] = []
 
     def end(number: int, _: FrameType | None) -> NoReturn:
@@ -76,6 +80,23 @@ def starting(
     _shut_down_on_signals()
     if received:
         sys.exit(128 + received[0])
+
+
+def refuse_words(about: str | None, launch: str = "") -> None:
+    """End the process where its command line has words, but for remappings; `--help` explains it.
+
+    Call it before rospy.init_node: the master ends a node that runs under the same name.
+
+    Args:
+        about: What the node is.
+        launch: File that starts the node with all that it needs.
+    """
+    parser = argparse.ArgumentParser(
+        usage="%(prog)s [-h] [name:=value ...]",
+        description=about,
+        epilog=f"launch/{launch} starts it with all that it needs" if launch else None,
+    )
+    parser.parse_args(rospy.myargv(sys.argv)[1:])
 
 
 def _shut_down_on_signals() -> None:

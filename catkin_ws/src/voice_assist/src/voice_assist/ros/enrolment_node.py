@@ -31,7 +31,7 @@ _AUDIO, _MODE, _SERVICE = "voice_assist/audio", "voice_assist/mode", "voice_assi
 
 def main() -> None:
     """Run the enrolment node."""
-    with starting("enrolment", refusals=(ConfigError, VoiceError)):
+    with starting("enrolment", __doc__, refusals=(ConfigError, VoiceError)):
         node = EnrolmentNode()
     while not rospy.is_shutdown():
         node.publish_status()

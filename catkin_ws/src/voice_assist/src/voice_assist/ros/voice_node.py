@@ -67,7 +67,7 @@ _DIAGNOSTICS_EVERY = 20  # heartbeats
 def main() -> None:
     """Run the voice node."""
     priority = hear_first()
-    with starting("voice_assist", refusals=(ConfigError, VoiceError)):
+    with starting("voice_assist", __doc__, refusals=(ConfigError, VoiceError)):
         rospy.loginfo("priority: %s", priority)
         config = node_settings()
         require_known(config.commands)

@@ -260,7 +260,9 @@ def main() -> None:
     """Run the controller node."""
     limit_messages()
     publish_without_waiting()
-    with starting("controller", refusals=(ConfigError, RstError), launch="controller.launch"):
+    with starting(
+        "controller", __doc__, refusals=(ConfigError, RstError), launch="controller.launch"
+    ):
         if other := other_provider(COMMAND):
             rospy.logfatal(f"the controller cannot start: {other} is one already; end it first")
             sys.exit(2)

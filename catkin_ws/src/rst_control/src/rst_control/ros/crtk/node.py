@@ -224,7 +224,7 @@ def _arm(name: object) -> str:
 def main() -> None:
     """Run the CRTK node."""
     os.setpriority(os.PRIO_PROCESS, 0, NICE)
-    with starting("crtk", refusals=(ConfigError, RobotModelError)):
+    with starting("crtk", __doc__, refusals=(ConfigError, RobotModelError)):
         config = private_settings(CrtkConfig, CRTK_FILE)
         model = parse_robot(robot_description())
         node = CrtkNode(config, model, _arm(rospy.get_param("~arm", ARM)))

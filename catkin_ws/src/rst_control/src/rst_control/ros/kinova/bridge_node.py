@@ -329,7 +329,9 @@ def main() -> None:
     """Run the bridge node."""
     limit_messages()
     publish_without_waiting()
-    with starting("kinova_bridge", refusals=(ConfigError, RstError), launch="kinova.launch"):
+    with starting(
+        "kinova_bridge", __doc__, refusals=(ConfigError, RstError), launch="kinova.launch"
+    ):
         config = load_config(KinovaConfig, launch_settings(), "bridge parameters")
         require_drivable(config)
         node = KinovaBridgeNode(config, robot_description())

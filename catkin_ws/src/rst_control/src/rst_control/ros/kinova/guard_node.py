@@ -42,7 +42,7 @@ def main() -> None:
     """Run the guard node."""
     limit_messages()
     publish_without_waiting()
-    with starting("kinova_guard", needs_clock=False, launch="kinova.launch"):
+    with starting("kinova_guard", __doc__, needs_clock=False, launch="kinova.launch"):
         settings = launch_settings()
         config = load_config(BridgeConfig, settings.get("bridge", {}), "guard parameters")
         node = GuardNode(config)

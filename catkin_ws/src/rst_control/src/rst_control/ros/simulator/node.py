@@ -224,7 +224,7 @@ def main() -> None:
     limit_messages()
     publish_without_waiting()
     refusals = (ConfigError, RstError, SceneLostError, OSError)
-    with starting("robot", needs_clock=False, refusals=refusals, launch="robot.launch"):
+    with starting("robot", __doc__, needs_clock=False, refusals=refusals, launch="robot.launch"):
         given = launch_settings()
         config, stand_in = read_parameters(given)
         if stand_in is not None and (driver := other_driver(stand_in)):

@@ -217,7 +217,7 @@ class AlarmNode:
 
 def main() -> None:
     """Run the alarm node."""
-    with starting("alarms"):
+    with starting("alarms", __doc__):
         config = private_settings(AlarmsConfig, FILE)
         node = AlarmNode(config, _load_commands())
     node.run()

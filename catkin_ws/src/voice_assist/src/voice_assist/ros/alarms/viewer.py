@@ -13,6 +13,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rich.console import Console
 from rich.live import Live
 
+from typed_config.ros.starting import refuse_words
 from voice_assist.alarms.appearance import line
 from voice_assist.alarms.screen import NO_WORD, AlarmScreen
 from voice_assist.alarms.types import AlarmText, Kind, Priority
@@ -86,6 +87,7 @@ class Lines:
 
 def main() -> None:
     """Show alarms until Ctrl-C or the end of ROS."""
+    refuse_words(__doc__)
     rospy.init_node("alarm_viewer", anonymous=True)
     console, screen = Console(), AlarmScreen(time.time)
     viewer = Viewer(screen if console.is_terminal else Lines())

@@ -127,7 +127,7 @@ def spoken_commands() -> CommandsConfig:
 
 def main() -> None:
     """Run the devices node."""
-    with starting("devices", needs_clock=False):
+    with starting("devices", __doc__, needs_clock=False):
         config = devices_config({"calls": launch_settings().get("calls", [])})
         commands = spoken_commands()
         require_harmless(config, commands)

@@ -204,7 +204,7 @@ def main() -> None:
     """Run the display node."""
     with suppress(OSError):
         os.setpriority(os.PRIO_PROCESS, 0, NICE)
-    with starting("display", needs_clock=False):
+    with starting("display", __doc__, needs_clock=False):
         config = private_settings(DisplayConfig, FILE)
         believed_config(rospy.get_param("~believed", None))
     try:

@@ -33,7 +33,7 @@ def candidates(message: Utterance) -> SpeechRecognitionCandidates | None:
 
 def main() -> None:
     """Run the node."""
-    with starting("candidates", needs_clock=False):
+    with starting("candidates", __doc__, needs_clock=False):
         results = rospy.Publisher(TOPIC, SpeechRecognitionCandidates, queue_size=20)
 
         def pass_on(message: Utterance) -> None:

@@ -230,7 +230,7 @@ def main() -> None:
     if parser.parse_args(rospy.myargv()[1:]).list:
         print("\n".join(sorted(set(devices().values()))) or "there is no input device")
         return
-    with starting("pedal", needs_clock=False):
+    with starting("pedal", __doc__, needs_clock=False):
         given = launch_settings()
         keys = PedalConfig.__dataclass_fields__
         config = pedal_config({key: given[key] for key in keys if key in given})
