@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The devices node calls what is said to a voice node, and says what became of a call."""
 
+import socket
+import time
+from contextlib import nullcontext
 from types import SimpleNamespace
 
 import pytest
@@ -8,15 +11,20 @@ import rospy
 from std_srvs.srv import SetBoolResponse
 
 from typed_config import ConfigError, load_yaml
+from typed_config.ros.launch_settings import RESTART
 from typed_config.ros.service_calls import Reply
 from voice_assist.config import CONFIG_DIR
 from voice_assist.config.devices import DeviceCallConfig, devices_config
 from voice_assist.devices.calls import CallResult, DeviceCalls
+from voice_assist.ros.devices import node as node_module
 from voice_assist.ros.devices import targets
-from voice_assist.ros.devices.node import DevicesNode, spoken_commands
+from voice_assist.ros.devices.node import DevicesNode, main, spoken_commands
 
 LAMP = {"phrase": "light on", "kind": "service", "target": "/lamp", "within": 2.0}
 LAMP |= {"type": "std_srvs/SetBool", "arguments": "{data: true}", "on_stop": ""}
+PLAYER = LAMP | {"phrase": "music", "kind": "topic", "type": "std_msgs/Bool", "within": 0.1}
+VACUUM = LAMP | {"phrase": "tidy up", "kind": "action", "type": "rst_control/Assist"}
+VACUUM |= {"arguments": "{command: clean}", "within": 0.1}
 OFF = LAMP | {"phrase": "off", "arguments": "{data: false}"}
 
 
@@ -64,3 +72,124 @@ def test_the_node_does_not_undo_at_a_stop_what_a_device_refused(is_refused):
     node._calls.stopped()
     undo = node._calls.next_undoing(0.0)
     assert reported == [result] and (undo is None) is is_refused
+
+
+@pytest.fixture
+def kept(monkeypatch):
+    """What the master keeps of the node."""
+    kept = {}
+
+    def ask(_, method, caller, name, value):
+        assert (method, caller) == ("setParam", "/devices")
+        kept[name] = value
+
+    monkeypatch.setattr(node_module, "ask", ask)
+    monkeypatch.setattr(rospy, "get_name", lambda: "/devices")
+    monkeypatch.setattr(rospy, "resolve_name", lambda name: name.replace("~", "/devices/"))
+    return kept
+
+
+def node_of_lamp(monkeypatch, *phrases):
+    """A node that has to undo calls of one before; nothing is sent, all is done."""
+    for name in ("Publisher", "Subscriber"):
+        monkeypatch.setattr(rospy, name, lambda *_, **__: None)
+    monkeypatch.setattr(node_module, "Believed", lambda: SimpleNamespace(hear=lambda *_: None))
+    config = devices_config({"calls": [LAMP | {"on_stop": "off"}, OFF]})
+    node = DevicesNode(config, SimpleNamespace(phrases=()), phrases)
+    for call in config.calls:
+        done = CallResult(call, True, "")
+        node._targets[call.phrase] = SimpleNamespace(call=lambda _, done=done: done)
+    node._report = lambda _: None
+    return node
+
+
+def test_what_a_stop_has_to_undo_is_kept_before_the_call_and_until_it_is_undone(monkeypatch, kept):
+    node, seen = node_of_lamp(monkeypatch), []
+    monkeypatch.setattr(node, "_make", lambda *_: seen.append(dict(kept)))
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: bool(seen))
+    node._calls.said("light on")
+    node._make_calls()
+    assert seen == [{"/devices/to_undo": ["light on"]}]
+    node._calls.stopped()
+    node._calls.ended(CallResult(node._calls.next_undoing(0.0), True, ""))
+    node._keep()
+    assert kept == {"/devices/to_undo": []}
+
+
+@pytest.mark.parametrize("phrases", [(), ("light on",)])
+def test_a_node_that_starts_again_undoes_at_once_what_the_one_before_had_to(monkeypatch, phrases):
+    node = node_of_lamp(monkeypatch, *phrases)
+    undo = node._calls.next_undoing(0.0)
+    assert (undo and undo.phrase) == ("off" if phrases else None)
+    assert node._calls.next_undoing(0.0) is None
+
+
+def test_a_master_that_does_not_answer_keeps_no_call_from_being_made(monkeypatch, kept):
+    def ask(*_):
+        raise TimeoutError("timed out")
+
+    said, made = [], []
+    node = node_of_lamp(monkeypatch)
+    monkeypatch.setattr(node_module, "ask", ask)
+    monkeypatch.setattr(rospy, "logwarn_throttle", lambda _, words, error: said.append(error))
+    monkeypatch.setattr(node, "_make", lambda call, _: made.append(call.phrase))
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: len(made) == 2)
+    for _ in range(2):
+        node._calls.said("light on")
+    node._make_calls()
+    assert made == ["light on"] * 2
+    assert [str(error) for error in said] == ["timed out"] * 2
+
+
+@pytest.mark.parametrize("is_restart", [True, False])
+def test_what_an_earlier_launch_left_is_not_undone(monkeypatch, is_restart):
+    given = {"calls": [LAMP], "to_undo": ["light on"]}
+    made = []
+    node = SimpleNamespace(run=lambda: None)
+    monkeypatch.setattr(node_module, "starting", lambda *_, **__: nullcontext())
+    monkeypatch.setattr(node_module, "launch_settings", lambda own: given if own else {})
+    for name in ("spoken_commands", "require_harmless"):
+        monkeypatch.setattr(node_module, name, lambda *_: None)
+    monkeypatch.setattr(node_module, "DevicesNode", lambda *words: made.append(words[2]) or node)
+    if is_restart:
+        monkeypatch.setenv(RESTART, "1")
+    else:
+        monkeypatch.delenv(RESTART, raising=False)
+    main()
+    assert made == [["light on"] if is_restart else []]
+
+
+@pytest.fixture
+def connected():
+    """A publisher as rospy has it, and the end of its subscriber."""
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        far = socket.create_connection(listening.getsockname())
+        near, _ = listening.accept()
+    sent = []
+    impl = SimpleNamespace(connections=[SimpleNamespace(socket=near, done=False, endpoint_id="/lamp")])
+    topic = SimpleNamespace(
+        impl=impl,
+        sent=sent,
+        publish=sent.append,
+        get_num_connections=lambda: len(impl.connections),  # rospy's, until a write fails
+    )
+    with near, far:
+        yield topic, far
+
+
+@pytest.mark.parametrize("given", [PLAYER, VACUUM], ids=["topic", "action"])
+@pytest.mark.parametrize("is_there", [True, False])
+def test_nothing_is_sent_to_a_node_that_has_ended(monkeypatch, connected, given, is_there):
+    topic, far = connected
+    monkeypatch.setattr(targets, "_publisher", lambda *_: topic)
+    monkeypatch.setattr(rospy, "Subscriber", lambda *_, **__: None)
+    monkeypatch.setattr(rospy, "get_name", lambda: "/devices")
+    if not is_there:
+        far.close()
+    began = time.monotonic()
+    result = targets.make_target(DeviceCallConfig(**given)).call()
+    assert time.monotonic() - began < 5.0
+    assert bool(topic.sent) is is_there
+    assert result.may_have_effect is is_there
+    assert ("nobody" in result.words) is not is_there
+    assert result.is_done is (is_there and given is PLAYER)

@@ -33,13 +33,25 @@ class Topic:
         self.sent.append(self.name)
 
 
+class Socket:
+    """One on which nothing is to be read, or that the other end closed."""
+
+    def __init__(self, is_closed=False):
+        self.is_closed = is_closed
+
+    def recv(self, *_):
+        if self.is_closed:
+            return b""
+        raise BlockingIOError
+
+
 class ToArm:
     """A topic of the arm's driver, with the names of its subscribers."""
 
     def __init__(self, name, *listeners):
         self.resolved_name = f"/my_gen3/in/{name}"
         connections = [
-            SimpleNamespace(endpoint_id=listener, done=False, socket=object())
+            SimpleNamespace(endpoint_id=listener, done=False, socket=Socket())
             for listener in listeners
         ]
         self.impl = SimpleNamespace(connections=connections)
@@ -202,7 +214,9 @@ def test_where_the_settings_name_nobody_any_listener_counts_for_the_driver(monke
     assert sent == [] and words.endswith(f"{STOP}; allowed: anybody")
 
 
-@pytest.mark.parametrize(("done", "socket"), [(True, object()), (False, None)])
+@pytest.mark.parametrize(
+    ("done", "socket"), [(True, Socket()), (False, None), (False, Socket(is_closed=True))]
+)
 def test_a_driver_whose_connection_is_closed_does_not_hear(monkeypatch, done, socket):
     stop, velocity = ToArm("stop", DRIVER), ToArm("joint_velocity", DRIVER)
     (connection,) = stop.impl.connections

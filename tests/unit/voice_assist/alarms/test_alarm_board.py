@@ -194,6 +194,29 @@ def test_a_pedal_that_was_never_there_is_no_alarm():
 
 
 @pytest.mark.parametrize(
+    ("state", "priority"), [("active", Priority.LOW), ("moving", Priority.MEDIUM)]
+)
+def test_a_devices_node_that_falls_silent_is_a_mild_fault_once_it_was_heard(state, priority):
+    scene = Scene().be(state=state).run(2.0 * CONFIG.board.starting_for)
+    assert scene.first is None  # most systems have none
+    for _ in range(30):  # [s] it speaks every second
+        assert scene.health("devices: strangers", "").run(0.95).first is None
+    scene.run(CONFIG.board.devices_silent_after + 0.2)
+    for _ in range(2):
+        assert scene.first.cause.startswith("devices: no word") and scene.first.priority is priority
+        assert "Start the devices node again" in scene.first.next_step
+        scene.run(FORGOTTEN_AFTER)
+    assert scene.health("devices: strangers", "").first is None
+
+
+def test_a_stranger_on_the_topics_of_the_devices_node_is_named_and_no_silence():
+    words = "not believed: /voice_assist/utterance from /x"
+    scene = Scene().health("devices: strangers", words).run(1.0)
+    assert scene.first.cause == f"strangers of the devices: {words}"
+    assert [standing.key for standing in scene.board.standing] == ["part strangers of the devices"]
+
+
+@pytest.mark.parametrize(
     ("name", "limit"),
     [
         ("voice_assist: voice", CONFIG.board.voice_silent_after),

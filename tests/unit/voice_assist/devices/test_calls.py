@@ -230,6 +230,32 @@ def test_what_is_said_after_a_stop_waits_for_what_the_stop_undoes():
     assert begun(calls) == ["light on"]
 
 
+def test_what_a_stop_has_to_undo_is_known_also_while_it_is_at_work_and_until_it_is_undone():
+    calls = DeviceCalls(made(*PRESSURE, *LIGHT))
+    make(calls, "light on", **REFUSED)
+    assert calls.to_undo() == []
+    make(calls, "higher pressure")
+    calls.said("light on")
+    assert begun(calls) == ["light on"]
+    assert calls.to_undo() == ["higher pressure", "light on"]
+    calls.stopped()
+    assert undone(calls, is_done=False) == ["go dark", "pressure down"]
+    assert calls.to_undo() == ["higher pressure", "light on"]
+    calls.stopped()
+    assert undone(calls) == ["go dark", "pressure down"]
+    assert calls.to_undo() == []
+
+
+def test_what_an_earlier_process_had_to_undo_is_undone_at_once_and_until_it_is_done():
+    calls = DeviceCalls(made(*PRESSURE, *LIGHT))
+    calls.undo(["higher pressure", "light on", "go dark", "no phrase any more"])
+    assert undone(calls, is_done=False) == ["go dark", "pressure down"]
+    calls.stopped()
+    assert undone(calls) == ["go dark", "pressure down"]
+    calls.stopped()
+    assert undone(calls) == []
+
+
 def test_a_stop_concerns_the_call_at_work_unless_that_undoes_another():
     calls = DeviceCalls(made(*LIGHT))
     for phrase, is_given_up in (("light on", True), ("go dark", False)):

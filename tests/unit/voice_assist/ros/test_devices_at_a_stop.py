@@ -45,7 +45,9 @@ def test_what_a_stop_undoes_does_not_wait_for_a_call_that_hangs(monkeypatch):
     may_end, is_over = threading.Event(), threading.Event()
     monkeypatch.setattr(rospy, "is_shutdown", is_over.is_set)
     node = object.__new__(DevicesNode)
-    node._known = SimpleNamespace(publish_status=lambda: None)
+    told = threading.Semaphore(0)
+    node._known = SimpleNamespace(publish_status=told.release)
+    node._keep = lambda: None
     node._calls = DeviceCalls(devices_config({"calls": list(LIGHT)}))
     light, dark = Target(LIGHT[0], may_end), Target(LIGHT[1])
     node._targets = {"light on": light, "go dark": dark}
@@ -58,10 +60,12 @@ def test_what_a_stop_undoes_does_not_wait_for_a_call_that_hangs(monkeypatch):
     node._on_stop()
     assert dark.called.wait(10.0)
     wait_until(lambda: results == ["go dark"])
+    assert all(told.acquire(timeout=10.0) for _ in range(20))  # it is not silent meanwhile
     may_end.set()
     wait_until(lambda: sorted(results) == ["go dark", "go dark", "light on"])
     is_over.set()
-    for thread in (working, *(each for each in threading.enumerate() if each.name == "undo")):
+    own = [each for each in threading.enumerate() if each.name in ("calls", "undo")]
+    for thread in (working, *own):
         thread.join(10.0)  # before rospy is the true one again
         assert not thread.is_alive()
 
@@ -72,9 +76,6 @@ class Topic:
     def __init__(self, listeners):
         self.listeners, self.sent = listeners, []
 
-    def get_num_connections(self):
-        return self.listeners
-
     def publish(self, message):
         self.sent.append(message)
 
@@ -83,6 +84,7 @@ class Topic:
 def topics(monkeypatch):
     topics = {}
     monkeypatch.setattr(rospy, "Subscriber", lambda *_, **__: None)
+    monkeypatch.setattr(targets, "open_listeners", lambda topic: topic.listeners)
     monkeypatch.setattr(rospy, "get_name", lambda: "/devices")
     monkeypatch.setattr(
         targets, "_publisher", lambda target, _: topics.setdefault(target, Topic(1))

@@ -1,13 +1,40 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which publishers a subscriber is connected to at this moment, by the names that they claim."""
+"""Which connections of publishers, subscribers and services are open at this moment."""
 
 from __future__ import annotations
 
+import socket
+
 import rospy
+
+from typed_config.node_names import caller_name
+
+
+def is_closed(connection: socket.socket) -> bool:
+    """Whether the other end closed a connection, as where its node ended; waits for nothing."""
+    try:
+        return bool(connection.recv(1, socket.MSG_PEEK | socket.MSG_DONTWAIT) == b"")
+    except BlockingIOError:  # open, and nothing to read
+        return False
+    except OSError:
+        return True
+
+
+def open_listeners(topic: rospy.Publisher) -> set[str]:
+    """Names of the nodes, as they claim them, to which a publisher has an open connection.
+
+    rospy reads from none of them. So it counts one that ended until a message cannot be written.
+    """
+    connections = list(topic.impl.connections) if topic.impl is not None else []
+    alive = [c for c in connections if not c.done and c.socket is not None]
+    return {caller_name(c.endpoint_id) for c in alive if not is_closed(c.socket)}
 
 
 def open_callers(link: rospy.Subscriber) -> set[str]:
-    """Names of the nodes from which a connection is open; a process that ends closes it at once."""
+    """Names of the nodes, as they claim them, from which a subscriber has an open connection.
+
+    A process that ends closes it at once.
+    """
     connections = list(link.impl.connections) if link.impl is not None else []
     return {c.callerid_pub for c in connections if not c.done and c.socket is not None}
 

@@ -16,6 +16,8 @@ from typing import Any, TypeVar
 
 import rospy
 
+from typed_config.ros.connections import is_closed
+
 _ANSWERED = "responded with an error"  # in rospy's words for an error that the service sent
 _AT_ONCE = struct.pack("ii", 1, 0)  # SO_LINGER: what is not delivered yet is thrown away
 T = TypeVar("T")
@@ -72,14 +74,7 @@ def has_ended(proxy: rospy.ServiceProxy) -> bool:
     A request over it would fail, and nobody could say whether it was carried out.
     """
     connection = getattr(proxy.transport, "socket", None)
-    if connection is None:
-        return False
-    try:
-        return bool(connection.recv(1, socket.MSG_PEEK | socket.MSG_DONTWAIT) == b"")
-    except BlockingIOError:  # open, and nothing to read
-        return False
-    except OSError:
-        return True
+    return connection is not None and is_closed(connection)
 
 
 def drop(proxy: rospy.ServiceProxy) -> None:

@@ -39,6 +39,7 @@ _PART_OF = {  # name of a status in diagnostics, without the node's name space, 
     "rst_control: settings": "settings",
     "pedal: pedal": "pedal",
 }
+_HEARD_BY = {"strangers of the devices": "devices"}  # a node whose only status this is
 _BY_CAUSE = ("part settings", "part strangers ")  # keys whose message names who or what it is
 _OWNER_OF = {"rst_control": "controller", "voice_assist": "voice", "kinova_guard": "stop guard"}
 
@@ -81,6 +82,7 @@ class Board:
             "voice": config.voice_silent_after,
             "controller": config.controller_silent_after,
             "pedal": config.pedal_silent_after,
+            "devices": config.devices_silent_after,
         }
         self._all: dict[str, Standing] = {}
         self._robot = RobotState(0.0, "")
@@ -138,8 +140,8 @@ class Board:
         part = _part_of(health.name.lstrip("/").rsplit("/", 1)[-1])
         if part is None:
             return
-        if part in self._limits:
-            self._seen[part] = now
+        if (node := _HEARD_BY.get(part, part)) in self._limits:
+            self._seen[node] = now
         if health.is_error:
             self._errors[part] = health.message, health.reason_code, now
         else:

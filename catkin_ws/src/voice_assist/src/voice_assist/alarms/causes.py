@@ -175,6 +175,7 @@ PARTS: Final = {  # by a part and the code of its status; else by the code, or b
     "controller: silent": Advice("Free the tissue by hand; start the controller again."),
     "pedal: silent": Advice("Stop by hand or voice meanwhile; start the pedal node again."),
     "pedal": _mild("Check the pedal and its cable; stop by hand or voice meanwhile."),
+    "devices: silent": _mild("Start the devices node again."),
     "recording": _mild("Start the recorder before the next motion."),
     "stranger": _mild("End the program that is named; it is not believed."),
     "settings": _mild("Put the setting that is named back, or launch anew."),

@@ -48,6 +48,7 @@ class BoardConfig:
     controller_silent_after: float = number(0.1, 30.0, "s")
     voice_silent_after: float = number(1.5, 60.0, "s")
     pedal_silent_after: float = number(1.5, 60.0, "s")
+    devices_silent_after: float = number(1.5, 60.0, "s")
 
 
 @dataclass(frozen=True, kw_only=True)

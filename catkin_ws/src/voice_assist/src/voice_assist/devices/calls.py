@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Final
 
@@ -123,6 +123,19 @@ class DeviceCalls:
             if was_undone or undo.phrase in self._at_work:
                 self._undoing.append(undo)
                 self._changed.notify_all()
+
+    def to_undo(self) -> list[str]:
+        """Phrases of the calls that a stop has to undo, the oldest first."""
+        with self._changed:
+            at_work = [phrase for phrase, undo in self._at_work.items() if undo]
+            return list(dict.fromkeys([*self._undone_by, *at_work]))
+
+    def undo(self, phrases: Iterable[str]) -> None:
+        """Undo calls of an earlier process at once, as a stop does; `to_undo` named them there."""
+        with self._changed:
+            calls = [call for phrase in phrases if (call := self._config.get(phrase))]
+            self._undone_by.update({call.phrase: call.on_stop for call in calls if call.on_stop})
+        self.stopped()
 
     def stopped(self) -> tuple[CallResult, ...]:
         """Drop what waits, and let what undoes the calls that were made be made.

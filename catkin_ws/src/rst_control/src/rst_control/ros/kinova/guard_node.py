@@ -25,7 +25,8 @@ from rst_control.ros.kinova.hardware import speeds_message
 from rst_control.ros.rospy_patches.message_limits import limit_messages
 from rst_control.ros.rospy_patches.nonblocking_publish import publish_without_waiting
 from typed_config import load_config
-from typed_config.node_names import caller_name, is_allowed
+from typed_config.node_names import is_allowed
+from typed_config.ros.connections import open_listeners
 from typed_config.ros.known_publishers import KnownPublishers
 from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
@@ -53,9 +54,7 @@ def main() -> None:
 
 def is_heard_by(topic: rospy.Publisher, patterns: Iterable[str]) -> bool:
     """Whether a node of an allowed name is connected; that a recorder is, says nothing."""
-    connections = list(topic.impl.connections) if topic.impl is not None else []
-    names = {caller_name(c.endpoint_id) for c in connections if not c.done and c.socket is not None}
-    return any(is_allowed(name, patterns) for name in names)
+    return any(is_allowed(name, patterns) for name in open_listeners(topic))
 
 
 class GuardNode:

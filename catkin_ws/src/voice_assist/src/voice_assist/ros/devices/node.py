@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Collection
+from typing import Final
 
+import rosgraph
 import rospy
 from std_msgs.msg import Empty as EmptyMessage
 from std_msgs.msg import String
@@ -13,9 +15,10 @@ from std_msgs.msg import String
 from rst_control.msg import Event
 from typed_config import ConfigError, load_config
 from typed_config.errors import Missing
-from typed_config.ros.launch_settings import launch_settings
+from typed_config.ros.launch_settings import is_restart, launch_settings
 from typed_config.ros.service_calls import never
 from typed_config.ros.starting import starting
+from typed_config.ros.xmlrpc import FAILURES, ask
 from voice_assist.config import CommandsConfig
 from voice_assist.config.devices import (
     DeviceCallConfig,
@@ -32,6 +35,8 @@ from voice_assist.text.spoken_reply import spoken_reply
 
 VOICE = "voice_assist"  # node whose parameters hold the spoken commands
 IDLE = 0.2  # [s] between checks whether ROS ends
+SAY_AGAIN = 10.0  # [s] between warnings that nothing is kept
+TO_UNDO: Final = "to_undo"  # private parameter: phrases of the calls that a stop has to undo
 
 
 class DevicesNode:
@@ -40,13 +45,17 @@ class DevicesNode:
     Args:
         config: The allow-list.
         commands: All that can be said.
+        to_undo: Phrases of the calls that a stop had to undo where this node crashed. They are
+            undone at once, as a stop may have come since.
 
     Raises:
         CommandsError: A type is not there, or arguments do not fit it.
         ConfigError: `~believed` is not as it must be.
     """
 
-    def __init__(self, config: DevicesConfig, commands: CommandsConfig) -> None:
+    def __init__(
+        self, config: DevicesConfig, commands: CommandsConfig, to_undo: Collection[str] = ()
+    ) -> None:
         self._phrases = commands.phrases
         self._targets: dict[str, Target] = {}
         for index, call in enumerate(config.calls):
@@ -55,20 +64,45 @@ class DevicesNode:
             except CommandsError as error:
                 raise error.under(f"devices.calls[{index}]") from None
         self._calls = DeviceCalls(config)
+        self._kept = list(to_undo)  # by the master
         self._result = rospy.Publisher("voice_assist/device", DeviceCall, queue_size=20)
         self._say = rospy.Publisher("voice_assist/say", String, queue_size=20)
         self._known = Believed()
         self._known.hear("voice", "voice_assist/utterance", Utterance, self._on_utterance)
         rospy.Subscriber("rst_control/stop", EmptyMessage, lambda _: self._on_stop())
         self._known.hear("controller", "rst_control/event", Event, self._on_event)
+        if to_undo:
+            rospy.logwarn("started again, a stop may have come: undoing %s", ", ".join(to_undo))
+            self._calls.undo(to_undo)
 
     def run(self) -> None:
-        """Make calls until ROS shuts down."""
+        """Make calls until ROS shuts down; this thread makes none, so that it is never silent."""
+        threading.Thread(target=self._make_calls, name="calls", daemon=True).start()
         threading.Thread(target=self._undo, name="undo", daemon=True).start()
         while not rospy.is_shutdown():
             self._known.publish_status()
-            if (call := self._calls.next(IDLE)) is not None:
+            rospy.rostime.wallsleep(IDLE)
+
+    def _make_calls(self) -> None:
+        while not rospy.is_shutdown():
+            call = self._calls.next(IDLE)
+            self._keep()  # before the call, during which this process may end
+            if call is not None:
                 self._make(call, self._calls.stop_check(call))
+
+    def _keep(self) -> None:
+        """Let the master keep what a stop has to undo, for a start after a crash."""
+        phrases = self._calls.to_undo()
+        if phrases == self._kept:
+            return
+        name = rospy.resolve_name(f"~{TO_UNDO}")
+        try:
+            ask(rosgraph.get_master_uri(), "setParam", rospy.get_name(), name, phrases)
+        except FAILURES as error:
+            words = "not kept for a restart: what a stop undoes (%s)"
+            rospy.logwarn_throttle(SAY_AGAIN, words, error)
+        else:
+            self._kept = phrases
 
     def _undo(self) -> None:
         """Make what undoes calls at a stop; a thread of its own, as a call at work may hang."""
@@ -128,8 +162,9 @@ def spoken_commands() -> CommandsConfig:
 def main() -> None:
     """Run the devices node."""
     with starting("devices", __doc__, needs_clock=False):
-        config = devices_config({"calls": launch_settings().get("calls", [])})
+        settings = launch_settings(own=(TO_UNDO,))
+        config = devices_config({"calls": settings.get("calls", [])})
         commands = spoken_commands()
         require_harmless(config, commands)
-        node = DevicesNode(config, commands)
+        node = DevicesNode(config, commands, settings.get(TO_UNDO, []) if is_restart() else [])
     node.run()

@@ -14,6 +14,7 @@ from actionlib import GoalIDGenerator
 from actionlib_msgs.msg import GoalID, GoalStatus
 from genpy.message import fill_message_args
 
+from typed_config.ros.connections import open_listeners
 from typed_config.ros.service_calls import call_service, never
 from voice_assist.config.devices import DeviceCallConfig
 from voice_assist.devices.calls import DROPPED, CallResult
@@ -151,7 +152,7 @@ def _publisher(target: str, kind: type) -> rospy.Publisher:
 def _wait(topic: rospy.Publisher, within: float, is_stopped: Callable[[], bool]) -> bool:
     """Whether somebody listens to a topic in time, and no stop came."""
     end = time.monotonic() + within
-    while topic.get_num_connections() == 0 and not is_stopped():
+    while not open_listeners(topic) and not is_stopped():
         if time.monotonic() > end:
             return False
         time.sleep(0.01)
