@@ -5,8 +5,10 @@ import asyncio
 import threading
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from rst_control.simulation.rendering.painter import png_bytes
 from support.browser import MISSING, find_browser
 from tests.support.page import click, text
 from tests.unit.voice_assist.display.support.served_page import use_page
@@ -26,6 +28,11 @@ WORDS = text("stop-words")
 LATE_TEXTS = """const send = window.fetch;
 window.fetch = (url, ...options) => url !== "/texts.json" ? send(url, ...options)
   : new Promise((answer) => { window.release = () => { answer(send(url, ...options)); }; });"""
+OLD_BROWSER = """delete AbortSignal.timeout;
+delete Element.prototype.replaceChildren;"""  # of 2022 and 2020
+SILENT = """window.fetch = (url, { signal }) =>
+  new Promise((_, refuse) => signal.addEventListener("abort", () => refuse(signal.reason)));"""
+THROWS = "window.fetch = () => { throw new Error('of no use'); };"
 COUNTED = """const send = window.fetch;
 window.answers = 0;
 window.fetch = async (url, ...options) => {
@@ -116,6 +123,34 @@ def test_the_answer_of_an_older_press_is_dropped():
         assert await browser.evaluate(WORDS) == "stops"
 
     on_page(use, acts, COUNTED)
+
+
+def test_an_old_browser_sends_a_stop_and_shows_pictures():
+    acts = Answers(Outcome(True, "stops"))
+
+    async def use(browser, theatre):
+        theatre.see_picture("image/png", png_bytes(np.zeros((80, 120, 3), np.uint8)), 10.0)
+        await browser.until("document.getElementById('picture').naturalWidth === 120")
+        assert await browser.evaluate(f"{text('words')}.includes('stop')")
+        await browser.evaluate(click("stop"))
+        await browser.until(f"{WORDS} === 'stops'")
+        assert not browser.errors
+
+    on_page(use, acts, OLD_BROWSER)
+    assert acts.asked == ["stop"]
+
+
+@pytest.mark.parametrize("fetch", [SILENT, THROWS], ids=["silent", "throws"])
+def test_a_stop_that_nobody_answers_or_that_cannot_be_sent_is_no_stop(fetch):
+    acts = Answers()
+
+    async def use(browser, theatre):
+        await browser.evaluate(fetch)
+        await browser.evaluate(click("stop"))
+        await browser.until(f"{WORDS} === 'NOT STOPPED: no answer. Press the emergency stop.'")
+
+    on_page(use, acts, OLD_BROWSER)
+    assert not acts.asked
 
 
 def test_nothing_of_the_last_alarm_stands_where_no_alarms_are_watched():

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 import rospy
+from sensor_msgs.msg import CompressedImage
 
 from rst_control.config import CONFIG_FOLDER, SceneConfig
 from rst_control.tissue.sheet import rest_points
@@ -32,8 +33,27 @@ def heard():
 @pytest.fixture
 def pictures(monkeypatch, heard):
     monkeypatch.setattr(pictures_module.threading.Thread, "start", lambda _: None)
-    theatre = SimpleNamespace(see_picture_period=lambda _: None)
+    theatre = SimpleNamespace(see_picture_period=lambda _: None, see_picture=lambda *_: None)
     return Pictures(CONFIG, theatre, lambda: True, heard)
+
+
+@pytest.fixture
+def period(monkeypatch, pictures):
+    """Time between two pictures [s] that the page is told after pictures that far apart [s]."""
+    times, told = [100.0], []
+    clock = SimpleNamespace(monotonic=lambda: times[-1])
+    monkeypatch.setattr(pictures_module, "time", clock)
+    pictures._theatre.see_picture_period = told.append
+    picture = CompressedImage(data=b"\x89PNG\r\n\x1a\n")
+
+    def after(*intervals):
+        for interval in intervals:
+            times.append(times[-1] + interval)
+            pictures._on_picture(picture)
+        return told[-1]
+
+    after(0.0)
+    return after
 
 
 def test_pictures_are_taken_from_the_endoscope_alone_which_is_the_simulator_as_shipped(
@@ -41,6 +61,30 @@ def test_pictures_are_taken_from_the_endoscope_alone_which_is_the_simulator_as_s
 ):
     assert heard.by == {CONFIG.topic: "camera"}
     assert believed_config(None).camera == ("/robot",)
+
+
+def test_a_camera_that_becomes_ten_times_slower_or_more_is_learnt(period):
+    assert period(*[1.0] * 30) == pytest.approx(1.0)
+    assert period(*[10.5] * 40) == pytest.approx(10.5, rel=0.01)
+    assert period(*[200.0] * 60) == pytest.approx(200.0, rel=0.01)
+
+
+@pytest.mark.parametrize("first", [[], [1.0] * 30])
+def test_one_pause_does_not_let_old_pictures_count_as_new(period, first):
+    """As where nobody looked for a while."""
+    period(*first)
+    for _ in range(5):
+        assert period(3000.0) == period(1.0) == pytest.approx(CONFIG.period)
+
+
+def test_two_pauses_in_a_row_count_for_little(period):
+    assert period(*[1.0] * 30, 3000.0, 3000.0) < 3.0 * CONFIG.period
+
+
+def test_a_fast_cameras_picture_is_old_no_sooner_than_the_document_says(period):
+    """2.5 s, by page.js: twice the period and `old_after`."""
+    fastest = min(period(interval) for interval in [1 / 30] * 200)
+    assert 2.0 * fastest + load_file(DisplayConfig, FILE).old_after >= 2.5
 
 
 @pytest.mark.parametrize(

@@ -29,6 +29,18 @@ const show = (id, isShown) => { byId(id).hidden = !isShown; };
 const shape = (id, name) => byId(id).setAttribute("href", `#${name}`);
 const mm = (metres, digits) => `${(1000 * metres).toFixed(digits)} mm`;
 
+// Gives `work` a signal that ends in time [ms] what it fetches; AbortSignal.timeout came in 2022 only.
+async function inTime(within, work) {
+  const control = new AbortController();
+  const timer = setTimeout(() => control.abort(), within);
+  try { return await work(control.signal); } finally { clearTimeout(timer); }
+}
+
+// Uses the browser's storage, which a person may have blocked: then nothing is kept.
+function stored(use) {
+  try { return use(); } catch (error) { return null; }
+}
+
 let news = null; // the newest snapshot
 let arrived = -Infinity; // [ms] when it would have come without delay on the way
 let fastest = Infinity; // [ms] from the server's clock to this one's, with the least delay since the connection was made
@@ -118,7 +130,8 @@ function drawRobot(since, limit) {
     byId("words").dataset.words = words;
     byId("words").classList.toggle("is-many", robot.words.length > MANY);
     const texts = robot.words.map((word) => word.replace(/\{\w+\}/, "…")); // any amount of that kind
-    byId("words").replaceChildren(...texts.map((textContent) => Object.assign(document.createElement("b"), { textContent })));
+    byId("words").textContent = ""; // replaceChildren came in 2020 only
+    byId("words").append(...texts.map((textContent) => Object.assign(document.createElement("b"), { textContent })));
   }
   tell("state", `${name}. ${isUnderWay ? phase : robot.halt_reason}`);
 }
@@ -204,13 +217,17 @@ function drawPicture() {
 
 // With its stamp, by which a click names the picture that it was made into.
 async function loadPicture(image, picture, came) {
-  const answer = await fetch("/picture", { signal: AbortSignal.timeout(ACT_WITHIN) }), next = new Image();
-  if (!answer.ok) throw new Error(answer.statusText);
-  next.src = URL.createObjectURL(await answer.blob());
+  const next = new Image();
+  const stamp = await inTime(ACT_WITHIN, async (signal) => {
+    const answer = await fetch("/picture", { signal });
+    if (!answer.ok) throw new Error(answer.statusText);
+    next.src = URL.createObjectURL(await answer.blob());
+    return answer.headers.get("Picture-Stamp");
+  });
   await next.decode().catch((error) => { URL.revokeObjectURL(next.src); throw error; }); // before it is shown: no flicker
   URL.revokeObjectURL(image.src);
   image.src = next.src;
-  Object.assign(image.dataset, { number: picture.number, stamp: answer.headers.get("Picture-Stamp") });
+  Object.assign(image.dataset, { number: picture.number, stamp });
   image.hidden = false;
   taken = came;
 }
@@ -299,15 +316,16 @@ function tell(part, words, isFirstQuiet = false) {
 async function act(name, fields, words, within = ACT_WITHIN) {
   const body = fields ? JSON.stringify(fields) : undefined;
   const headers = fields ? { "Content-Type": "application/json", Authorization: `Bearer ${token}` } : {};
-  const signal = AbortSignal.timeout(within);
   try {
-    const response = await fetch(`/act/${name}`, { method: "POST", body, headers, signal });
-    if (!response.ok) {
-      if (response.status === 401) lock();
-      return words(false, (await response.text()).trim());
-    }
-    const outcome = await response.json();
-    return words(outcome.done, outcome.words);
+    return await inTime(within, async (signal) => {
+      const response = await fetch(`/act/${name}`, { method: "POST", body, headers, signal });
+      if (!response.ok) {
+        if (response.status === 401) lock();
+        return words(false, (await response.text()).trim());
+      }
+      const outcome = await response.json();
+      return words(outcome.done, outcome.words);
+    });
   } catch (error) {
     return words(null, t`no answer`);
   }
@@ -351,7 +369,7 @@ function actWords(isDone, text) {
 
 function lock() {
   token = "";
-  sessionStorage.removeItem("token");
+  stored(() => sessionStorage.removeItem("token"));
 }
 
 function needToken() {
@@ -366,7 +384,7 @@ byId("unlock").addEventListener("submit", (event) => {
   const entered = byId("token").value.trim();
   if (/[^ -~]/.test(entered)) { say("act-words", t`A token has the letters A to Z and digits only: this one is not taken`); return; } // no header holds it
   token = entered;
-  sessionStorage.setItem("token", token);
+  stored(() => sessionStorage.setItem("token", token));
   byId("token").value = "";
   say("act-words", token ? t`The token is kept until this page is closed` : "");
   if (token) byId("more").open = false; // it covers what lies above
@@ -425,14 +443,14 @@ byId("picture").addEventListener("click", (event) => {
 });
 
 function theme(name) {
-  localStorage.setItem("theme", name);
+  stored(() => localStorage.setItem("theme", name));
   if (name) document.documentElement.dataset.theme = name;
   else delete document.documentElement.dataset.theme;
 }
 
-theme(localStorage.getItem("theme") || "");
-byId("theme").value = localStorage.getItem("theme") || "";
-token = sessionStorage.getItem("token") || "";
+byId("theme").value = stored(() => localStorage.getItem("theme")) || "";
+theme(byId("theme").value);
+token = stored(() => sessionStorage.getItem("token")) || "";
 
 document.addEventListener("visibilitychange", connect);
 translate().then(() => { if (!presses) stopRest(); });

@@ -20,6 +20,7 @@ from voice_assist.ros.display.messages import picture_kind
 LARGEST = 8_000_000  # [B] of a picture
 BUFFER = 16_000_000  # [B] of the connection: the newest picture is read whole
 SMOOTHING = 0.2  # of the time between two pictures
+PAUSE = 10.0  # periods between two pictures, from which on that was a pause
 WITHIN = 10.0  # [s] for the service to answer; a busy host paints slowly
 
 
@@ -43,6 +44,7 @@ class Pictures:
         self._config, self._theatre, self._is_watched = config, theatre, is_watched
         self._period = config.period
         self._last = float("-inf")
+        self._was_pause = False  # before the last picture
         self._troubles: dict[str, str] = {}  # that were told, by what they are of
         theatre.see_picture_period(config.period)
         options = {"queue_size": 1, "buff_size": BUFFER}
@@ -60,12 +62,21 @@ class Pictures:
         self._complain("picture", trouble, f" ({size} bytes)")
         if trouble:
             return
-        now = time.monotonic()
-        if now - self._last < 10.0 * self._period:  # not the first after a pause
-            self._period += SMOOTHING * (now - self._last - self._period)
-        self._last = now
+        self._learn_period(time.monotonic())
         self._theatre.see_picture_period(self._period)
         self._theatre.see_picture(kind, bytes(message.data), message.header.stamp.to_sec())
+
+    def _learn_period(self, now: float) -> None:
+        """Take in a picture at a time [s]; one pause says nothing, a second in a row does.
+
+        A pause counts for `PAUSE` periods at most, and no period is below that of the settings.
+        """
+        interval, self._last, longest = now - self._last, now, PAUSE * self._period
+        is_pause = longest <= interval < float("inf")  # there was none before the first picture
+        if interval < longest or (is_pause and self._was_pause):
+            self._period += SMOOTHING * (min(interval, longest) - self._period)
+            self._period = max(self._period, self._config.period)
+        self._was_pause = is_pause
 
     def _ask(self) -> None:
         """Ask again and again; a picture that takes long is asked for less often."""
