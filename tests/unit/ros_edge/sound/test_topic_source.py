@@ -51,15 +51,15 @@ def test_a_chunk_without_a_stamp_gets_that_of_its_arrival(source):
     assert before - 1e-6 <= end <= rospy.get_time() + 1e-6
 
 
-def clocks(monkeypatch, ends, lateness, is_wallclock=True):
+def clocks(monkeypatch, ends, lateness, is_wallclock=True, unstamped=()):
     """What is reported of the clocks as chunks come that ended so late [s]."""
     found = []
     config = TopicConfig(name="audio_in", lost_after=1.0)
     source = TopicSource(config, print, print, found.append)
     monkeypatch.setattr(rospy.rostime, "is_wallclock", lambda: is_wallclock)
-    for end, late in zip(ends, lateness, strict=True):
+    for number, (end, late) in enumerate(zip(ends, lateness, strict=True)):
         monkeypatch.setattr(topic_source.rospy, "get_time", lambda now=end + late: now)
-        source._enqueue(chunk(stamp=end - 0.032))
+        source._enqueue(chunk(stamp=0.0 if number in unstamped else end - 0.032))
     return found
 
 
@@ -101,6 +101,17 @@ def test_seldom_messages_are_not_judged_by_one_that_is_late(monkeypatch):
 def test_clocks_that_agree_again_are_no_trouble_any_more(monkeypatch):
     found = clocks(monkeypatch, ENDS, [-0.5] * 40 + [0.0] * 60)
     assert found[35] and found[-1] == ""
+
+
+@pytest.mark.parametrize("late", [-0.5, 0.6])
+def test_clocks_are_no_trouble_once_the_sound_comes_without_stamps(monkeypatch, late):
+    found = clocks(monkeypatch, ENDS, [late] * 100, unstamped=range(40, 100))
+    assert found[35] and found[-1] == ""
+
+
+def test_stamps_ahead_stay_named_between_chunks_without_stamps(monkeypatch):
+    found = clocks(monkeypatch, ENDS, [-0.5] * 100, unstamped=range(0, 100, 2))
+    assert set(found[:30]) == {""} and "0.50 s ahead" in found[-1]
 
 
 def test_stamps_of_a_simulated_clock_are_not_compared(monkeypatch):

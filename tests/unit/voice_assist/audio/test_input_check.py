@@ -100,6 +100,15 @@ def test_a_microphone_muted_by_its_switch_is_named_with_its_level(noise, level):
     assert not found[-1]
 
 
+@pytest.mark.parametrize("offset", [-330, 40, 100])
+def test_an_offset_of_the_card_is_nothing_of_a_room_and_does_not_count_to_the_level(offset):
+    noise = np.rint(23 * RNG.uniform(-1.0, 1.0, LONG) + offset) / 32767
+    assert objections(np.concatenate([QUIET, noise]))[-1].startswith(
+        "the microphone gives -68 dB of full scale and nothing of a room for 4"
+    )
+    assert not any(objections(room(-85.0) + offset / 32767))
+
+
 @settings(max_examples=20)
 @given(st.floats(-85.0, -20.0), st.integers(1, 200))
 def test_a_room_is_heard_however_quiet(level, seed):

@@ -4,6 +4,7 @@ import pytest
 
 from tests.unit.voice_assist.support.fake_speech import say
 from voice_assist.audio.mixing import add_noise, end_of_speech, speech_power
+from voice_assist.profile.loudness import level_and_snr
 from voice_assist.types import RATE
 
 
@@ -36,6 +37,19 @@ def test_noise_is_below_the_speech_by_its_ratio(snr_db):
     added = np.square(mixed - stream).mean()
     ratio = 10 * np.log10(speech_power(0.1 * speech) / added)
     assert ratio == pytest.approx(snr_db, abs=0.5)
+
+
+@pytest.mark.parametrize("offset", [-0.03, 0.003, 0.01])
+def test_an_offset_of_the_card_is_no_sound(offset):
+    room = 1e-4 * np.random.default_rng(0).standard_normal(RATE)
+    clip = np.concatenate([room, 0.1 * say("stop", before=0.0, after=0.0), room])
+    shifted = clip + offset
+    assert end_of_speech(shifted) == end_of_speech(clip) == pytest.approx(1.22, abs=0.02)
+    assert speech_power(shifted) == pytest.approx(speech_power(clip), rel=1e-3)
+    (level, snr), (plain_level, plain_snr) = map(level_and_snr, (shifted, clip))
+    assert level == pytest.approx(plain_level, abs=0.1)
+    assert snr == pytest.approx(plain_snr, abs=0.5) and snr > 40.0
+    assert speech_power(np.full(RATE, offset)) == 0.0
 
 
 def test_silent_noise_changes_nothing():

@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the voice node says of itself: before the first sound, while all is well, and behind."""
 
+from types import SimpleNamespace
+
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 
 from tests.unit.voice_assist.support.fake_pipeline import commands, make, run
 from tests.unit.voice_assist.support.fake_speech import frames, say
-from voice_assist.ros import diagnostics
+from voice_assist.config import load_voice_config
+from voice_assist.errors import ModelError, VoiceError
+from voice_assist.ros import diagnostics, voice_node
 from voice_assist.types import HearingFault, Lost
 
 LIMIT = 0.5  # [s]
@@ -33,6 +37,43 @@ def test_fresh_sound_is_listening_and_old_or_late_sound_is_an_error():
     for late in ({"frame_done": 9.4}, {"frame_done": 9.9, "behind": 0.6}):
         level, _, fault = summary(10.0, trouble="", **late)
         assert level == DiagnosticStatus.ERROR and fault is HearingFault.SLOW
+
+
+@pytest.mark.parametrize(
+    ("since", "words", "fault"),  # [s] since the last frame came
+    [
+        (0.6, "no sound for 0.6 s, allowed below 0.5 s", HearingFault.NO_SOUND),
+        (0.1, "recognition does not keep up", HearingFault.SLOW),
+    ],
+)
+def test_sound_that_ends_is_not_called_slow_recognition(monkeypatch, since, words, fault):
+    steady = SimpleNamespace(monotonic=lambda: 1000.0)
+    monkeypatch.setattr(diagnostics, "time", steady)
+    health = healthy(frame_done=9.4)
+    health.sounded(-40.0, 0.0)
+    steady.monotonic = lambda: 1000.0 + since
+    level, said, found = diagnostics._summary(health, 10.0, LIMIT)
+    assert level == DiagnosticStatus.ERROR and found is fault
+    assert said == f"{words}: a spoken stop is not heard"
+    assert not health.would_hear(10.0, LIMIT)
+
+
+@pytest.mark.parametrize(
+    ("source", "speed", "error"),
+    [
+        ("wav", 0.0, r"audio.wav.speed is 0, .* above 0"),
+        ("wav", 0.5, "is loaded"),
+        ("microphone", 0.0, "is loaded"),
+    ],
+)
+def test_a_recording_of_no_pace_is_refused_by_the_node(monkeypatch, source, speed, error):
+    def load(config):
+        raise ModelError("is loaded")
+
+    monkeypatch.setattr(voice_node, "make_recognizer", load)
+    wav = {"audio__wav__path": "x.wav", "audio__wav__speed": speed}
+    with pytest.raises(VoiceError, match=error):
+        voice_node.VoiceNode(load_voice_config(audio__source=source, **wav))
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from support.theatre_sound import speak
 from tests.unit.voice_assist.support.fake_pipeline import decisions, hear
 from voice_assist.config import load_voice_config
 from voice_assist.errors import ModelError
@@ -240,3 +241,15 @@ def test_pauses_are_no_speech_and_pieces_are_equal():
     assert 0.9 * RATE < len(spoken(sound)) < 1.3 * RATE
     assert len(spoken(np.zeros(1000, np.float32))) == 0
     assert [len(p) for p in piece_up(word, 0.3)] == [4000, 4000]
+
+
+@pytest.mark.parametrize("offset", [-0.03, 0.003, 0.01])
+def test_an_offset_of_the_card_makes_no_speech_of_pauses_and_changes_no_voice(offset):
+    word, quiet = speak("release", "en-us", 150).astype(float), np.zeros(8000)
+    sound = np.concatenate([quiet, 0.1 * word / np.abs(word).max(), quiet])
+    sound += 3e-4 * np.random.default_rng(5).standard_normal(len(sound))
+    plain, shifted = spoken(sound), spoken(sound + offset)
+    assert abs(len(shifted) - len(plain)) <= 320 and len(plain) < len(word)
+    embed = VoiceNetwork()
+    assert embed(plain) @ embed(shifted) > 0.99
+    assert len(spoken(np.full(8000, offset))) == 0

@@ -84,6 +84,14 @@ def test_steady_sound_costs_no_pass_and_a_word_as_loud_as_the_noise_does(written
     assert overlap_scorer(network)(word[None]) != STEADY
 
 
+@pytest.mark.parametrize("offset", [-0.03, 0.01, 0.3])
+def test_a_word_stands_out_whatever_the_offset_of_the_card(offset):
+    shift, quiet = np.float32(offset), np.float32(0.05)
+    assert not is_steady(quiet * word_in_noise() + shift)
+    assert is_steady(quiet * talk(1.6) + shift)
+    assert is_steady(np.full(WINDOW, shift))
+
+
 def test_what_is_written_is_read_and_judges_alike(written, encoder):
     path, network = written
     read, digest = read_overlap(path, encoder)

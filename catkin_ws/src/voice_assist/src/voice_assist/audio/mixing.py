@@ -15,10 +15,11 @@ _QUIETEST = 1e-10  # power
 
 
 def block_powers(samples: Samples) -> NDArray[np.float64]:
-    """Mean power of each 10 ms. From shape (n,) to (n // 160,)."""
+    """Mean power of each 10 ms without the offset of them all. From shape (n,) to (n // 160,)."""
     count = len(samples) // BLOCK
     blocks = np.asarray(samples[: count * BLOCK], np.float64).reshape(count, BLOCK)
-    return np.asarray(np.square(blocks).mean(axis=1))
+    offset = blocks.mean() if count else 0.0
+    return np.asarray(np.square(blocks - offset).mean(axis=1))
 
 
 def speech_blocks(samples: Samples) -> NDArray[np.bool_]:

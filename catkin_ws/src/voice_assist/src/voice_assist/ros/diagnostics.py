@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -43,6 +44,7 @@ class VoiceHealth:
     spotter_dropped: int = 0  # frames that it never heard
     level: float = -100.0  # [dB] of full scale
     clipped: float = 0.0  # [share] of the sound at full scale, smoothed
+    sounded_at: float = float("inf")  # [s] steady clock, when the last frame came
     queued: int = 0  # frames
     dropped: int = 0  # frames
     lost: int = 0  # samples
@@ -104,7 +106,8 @@ class VoiceHealth:
             self.torn_at = now
 
     def sounded(self, level: float, clipped: float) -> None:
-        """Note level [dB] and clipped share [0, 1] of one frame."""
+        """Note level [dB] and clipped share [0, 1] of one frame that has just come."""
+        self.sounded_at = time.monotonic()
         self.level = level
         self.clipped += _SMOOTHING * (clipped - self.clipped)
 
@@ -209,5 +212,9 @@ def _stale(health: VoiceHealth, deaf_after: float) -> tuple[int, str, HearingFau
     if health.behind <= -deaf_after and health.source != "wav":
         ahead = f"the sound is stamped {-health.behind:.1f} s ahead, allowed {deaf_after:g} s"
         return DiagnosticStatus.ERROR, f"{ahead}: set the clocks", HearingFault.CLOCKS
+    silent = time.monotonic() - health.sounded_at
+    if silent >= deaf_after:
+        words = f"no sound for {silent:.1f} s, allowed below {deaf_after:g} s"
+        return DiagnosticStatus.ERROR, f"{words}: a spoken stop is not heard", HearingFault.NO_SOUND
     words = "recognition does not keep up: a spoken stop is not heard"
     return DiagnosticStatus.ERROR, words, HearingFault.SLOW

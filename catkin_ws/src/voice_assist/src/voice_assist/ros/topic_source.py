@@ -64,12 +64,11 @@ class TopicSource:
 
     def _enqueue(self, chunk: AudioChunk) -> None:
         duration = len(chunk.samples) / max(chunk.rate, 1)
-        is_stamped = not chunk.header.stamp.is_zero()
-        if not is_stamped:  # the time at which it ended is that at which it came, near enough
+        if chunk.header.stamp.is_zero():  # it ended when it came, near enough
             chunk.header.stamp = rospy.Time.from_sec(max(rospy.get_time() - duration, 0.0))
         chunk.samples = pcm(chunk)  # 2 bytes each while it waits, not 36
         trouble = _trouble(chunk)
-        if is_stamped and not trouble:
+        if not trouble:
             self._compare(chunk.header.stamp.to_sec() + duration)
         with suppress(Full):  # the reader notices the jump of first_sample
             self._queue.put_nowait(trouble or chunk)

@@ -28,7 +28,7 @@ from voice_assist.assembly import (
 from voice_assist.audio.capture.input_check import SoundWatch, at_full_scale
 from voice_assist.audio.source import AudioSource, level_db
 from voice_assist.config import VoiceConfig
-from voice_assist.errors import VoiceError
+from voice_assist.errors import AudioError, VoiceError
 from voice_assist.pipeline.hang_detection import HangWatch
 from voice_assist.pipeline.pipeline import Event
 from voice_assist.profile.profile import facts_of
@@ -79,7 +79,14 @@ class VoiceNode:
     """Joins the source, the pipeline and what is done to the robot."""
 
     def __init__(self, config: VoiceConfig) -> None:
-        """Load the model and announce the topics."""
+        """Load the model and announce the topics.
+
+        Raises:
+            VoiceError: The model cannot be used, or a recording has no pace.
+        """
+        if config.audio.source == "wav" and config.audio.wav.speed == 0.0:
+            allowed = "allowed in the voice node: above 0, as the robot moves in real time"
+            raise AudioError(f"audio.wav.speed is 0, {allowed}; `voice_assist listen` takes 0")
         self._config = config
         recognizer = make_recognizer(config)
         facts = {"model": recognizer.name, "model_sha256": recognizer.model_hash}

@@ -14,15 +14,16 @@ _SMOOTH, _WIDEN = 5, 7  # blocks
 
 
 def spoken(samples: Samples) -> Samples:
-    """The sound without its pauses; empty where there is none at all.
+    """The sound without its pauses and its offset; empty where there is none at all.
 
     Args:
         samples: 16 kHz mono. Shape (n,).
     """
     count = len(samples) // BLOCK
-    if not count or not np.any(samples):
+    if not count or np.ptp(samples) == 0.0:
         return np.zeros(0, np.float32)
-    blocks = np.asarray(samples[: count * BLOCK], np.float32).reshape(count, BLOCK)
+    centred = np.asarray(samples - np.mean(samples), np.float32)
+    blocks = centred[: count * BLOCK].reshape(count, BLOCK)
     level = 10.0 * np.log10(np.square(blocks).mean(axis=1) + 1e-10)
     if count >= _SMOOTH:
         level = np.convolve(level, np.full(_SMOOTH, 1.0 / _SMOOTH), "same")

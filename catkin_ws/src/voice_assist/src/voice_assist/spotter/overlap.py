@@ -155,9 +155,9 @@ def is_steady(window: Windows) -> bool:
     """Whether nothing stands out of a window, shape (..., WINDOW): no 20 ms is 3 dB over the floor.
 
     The floor is the power that a fifth of them stay below. In white noise the loudest 20 ms are
-    1 dB above it; a word as loud as the noise is 4 dB above it.
+    1 dB above it; a word as loud as the noise is 4 dB above it. A constant offset is no sound.
     """
-    power = np.square(window.reshape(-1, _FRAME)).mean(axis=1)
+    power = np.square((window - window.mean()).reshape(-1, _FRAME)).mean(axis=1)
     return float(power.max()) <= _STANDS_OUT * float(np.quantile(power, 0.2))
 
 
