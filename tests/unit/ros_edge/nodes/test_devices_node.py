@@ -166,7 +166,8 @@ def connected():
         far = socket.create_connection(listening.getsockname())
         near, _ = listening.accept()
     sent = []
-    impl = SimpleNamespace(connections=[SimpleNamespace(socket=near, done=False, endpoint_id="/lamp")])
+    connection = SimpleNamespace(socket=near, done=False, endpoint_id="/lamp")
+    impl = SimpleNamespace(connections=[connection])
     topic = SimpleNamespace(
         impl=impl,
         sent=sent,
