@@ -32,6 +32,7 @@ class FakeHardware:
         self.tool_joints = np.array(joints[7:])
         self.delay, self.offset = delay, np.zeros(7)
         self.blocked: set[int] = set()
+        self.tool_error = np.zeros(3)  # [rad] of pitch and jaws, measured less sent
         self.tissue = 0.0  # [rad] of opening that tissue between the jaws leaves
         self.under_way = deque()
         self.wanted = np.zeros(7)
@@ -77,7 +78,8 @@ class FakeHardware:
 
     def report_all(self):
         if self.reports_tool:
-            self.bridge.on_tool(JointFeedback(self.tool_joints, np.zeros(3), np.zeros(3), self.now))
+            seen = self.tool_joints + self.tool_error
+            self.bridge.on_tool(JointFeedback(seen, np.zeros(3), np.zeros(3), self.now))
         if self.guards:
             self.bridge.on_guard(self.now)
         if self.reports_state:

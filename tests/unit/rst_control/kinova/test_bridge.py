@@ -281,6 +281,48 @@ def test_it_reports_where_it_holds_the_jaws_on_the_tissue_and_nothing_while_it_i
     assert planning_joints(measured.sent_to)[1] == pytest.approx(0.0, abs=1e-6)
 
 
+ERRORS = [(0.05, 0.0, 0.0), (0.0, 0.05, -0.05), (-0.1, 0.04, 0.04)]  # [rad] of pitch and jaws
+
+
+@pytest.mark.parametrize("tissue", [0.0, 0.1])
+@pytest.mark.parametrize("error", ERRORS)
+def test_faults_in_a_row_do_not_move_a_tool_that_stands_beside_its_command(hardware, error, tissue):
+    hardware.tissue, close = tissue, closing(hardware)
+    hardware.advance(1.0, close)
+    hardware.tool_error = np.array(error)
+    hardware.advance(0.2, close)
+    sent = hardware.tools[-1][1]
+    for _ in range(3):
+        hardware.bridge.fail("failed on purpose", hardware.now)
+        hardware.advance(1.0)
+        hardware.bridge.clear_fault(hardware.now)
+        place = hardware.bridge.measured.sent_to  # where the controller goes on from
+        hardware.advance(0.2, lambda now, place=place: (place, np.zeros(10)))
+        assert hardware.bridge.fault(hardware.now) == ""
+    np.testing.assert_allclose(hardware.tools[-1][1], sent, atol=1e-9)
+
+
+@pytest.mark.parametrize("error", ERRORS)
+def test_a_pause_of_set_points_at_rest_is_no_fault_whatever_the_tools_error(hardware, error):
+    rest = hardware.joints, np.zeros(10)
+    hardware.advance(0.5, lambda _: rest)
+    hardware.tool_error = np.array(error)
+    hardware.advance(0.5, lambda _: rest)
+    hardware.advance(0.4)
+    assert hardware.bridge.lead is Lead.NOBODY
+    hardware.advance(0.5, lambda _: rest)
+    assert (hardware.bridge.lead, hardware.bridge.fault(hardware.now)) == (Lead.COURSE, "")
+
+
+def test_a_wrist_that_something_holds_elsewhere_is_taken_where_it_is(hardware, kinova):
+    rest = hardware.joints, np.zeros(10)
+    hardware.advance(0.5, lambda _: rest)
+    hardware.bridge.fail("failed on purpose", hardware.now)
+    hardware.tool_error[0] = kinova.bridge.tool.following_error + 0.01
+    hardware.advance(1.0)
+    assert hardware.bridge.measured.sent_to[7] == hardware.joints[7] + hardware.tool_error[0]
+
+
 def test_an_arm_whose_torques_at_rest_are_not_gravitys_takes_no_set_points(hardware, way, kinova):
     hardware.bridge._ready.torques = RestTorques(kinova.torques, URDF_FILE.read_text("utf-8"), ())
     hardware.advance(1.5, way)  # the fake arm reports no torques at all

@@ -103,7 +103,7 @@ class Bridge:
         self._goals: tuple[Vector, Vector, float] | None = None  # last two, and when [s]
         self.last_course: LastCourse | None = None  # of the newest velocity, while the arm is led
         self._plan: BrakePlan | None = None  # braking that goes before the driver's stop
-        self._opening: float | None = None  # [rad] last commanded
+        self._tool_sent: Vector | None = None  # [rad] pitch and jaws, as last sent. Shape (3,)
         self._latest = 0.0
         self._stepped = self._first_stop = np.inf  # [s] of the last step; of the stop under way
         self.measured: Measurement | None = None  # for the controller; new with each arm feedback
@@ -147,7 +147,7 @@ class Bridge:
         """Take in joints of the tool."""
         self.tool.take(feedback)
         measured = float(feedback.position[1:].sum())
-        commanded = measured if self._opening is None else self._opening
+        commanded = measured if self._tool_sent is None else float(self._tool_sent[1:].sum())
         self._grip.update(commanded, measured, feedback.stamp)
 
     def on_force(self, force: Vector, now: float) -> None:
@@ -207,7 +207,7 @@ class Bridge:
             return "the jaws hold tissue: release it first"
         if is_led and self._servo is not None:
             self._servo.fail(HELD_TO_HOME, self._stepped)  # the next steps stop the arm
-        self.tool.is_homed, self._opening = False, None
+        self.tool.is_homed, self._tool_sent = False, None
         return ""
 
     # What the controller receives.
@@ -288,14 +288,25 @@ class Bridge:
         return f"the bridge did not run for {idle:.2f} s in motion, allowed {allowed:.2f} s"
 
     def _stand(self, position: Vector) -> Vector:
-        """Where set-points begin [rad], shape (10,): jaws that tissue keeps open, where sent."""
-        if not self.is_gripped or self._opening is None:
+        """Where set-points begin [rad], shape (10,): the tool where its node holds it.
+
+        That is where it was sent last, unless something holds wrist or jaws elsewhere. Taken where
+        it is measured, it would move on by its own error with each fault.
+        """
+        if self._tool_sent is None:
             return position
-        return robot_joints(planning_joints(position)[0], self._opening)
+        (q, opening), allowed = planning_joints(position), self._config.tool.following_error
+        arm = position[:ARM_COUNT]
+        q_sent, opening_sent = planning_joints(np.concatenate([arm, self._tool_sent]))
+        if np.abs(q - q_sent).max() <= allowed:
+            q = q_sent
+        if self.is_gripped or abs(opening - opening_sent) <= allowed:
+            opening = opening_sent
+        return robot_joints(q, opening)
 
     def _held(self) -> Vector | None:
         """Where the joints are held [rad], (10,); None: led, or jaws sent nobody knows where to."""
-        is_known = self._opening is not None or not self.is_gripped
+        is_known = self._tool_sent is not None or not self.is_gripped
         if self._servo is None or self._lead is not Lead.NOBODY or not is_known:
             return None
         return self._servo.rest
@@ -326,7 +337,7 @@ class Bridge:
         last, goal, since = self._goals
         share = min(1.0, (now - since) / self._config.arm.period)
         place = (last + share * (goal - last))[ARM_COUNT:]
-        self._opening = float(place[1:].sum())
+        self._tool_sent = place
         self._hardware.send_tool(self.tool.command(place))
         if wrong := self.tool.following(place, now):
             self.fail(wrong, now)
