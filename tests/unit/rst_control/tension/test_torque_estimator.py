@@ -119,6 +119,21 @@ def test_without_a_tare_it_says_so_and_what_it_is_worth() -> None:
     assert found.sigma > 2.0 * abs(found.tension - 1.0) / 3.0  # as unsure as it is wrong
 
 
+@pytest.mark.parametrize(("turned", "later"), [(0.4, 0.0), (0.0, CONFIG.tare.holds_for)])
+def test_where_a_tare_holds_no_more_its_bias_is_no_sudden_tension(
+    turned: float, later: float
+) -> None:
+    arm = Arm()
+    arm.bias = np.array([0.5, -0.7, 0.3, 0.6, -0.1, 0.15, 0.05])
+    arm.rest(2.0)
+    assert arm.feel((0.3, 0.0, 0.0)).tension_invalid_reason == ""
+    arm.q = HOME + turned * np.eye(9)[3]
+    arm.now += later
+    found = arm.feel((0.3, 0.0, 0.0))
+    assert "tare" in found.tension_invalid_reason
+    assert found.tension == pytest.approx(0.3, abs=1e-3)
+
+
 def test_jaws_that_hold_something_give_no_tare() -> None:
     arm = Arm()
     held = arm.feel((1.0, 0.0, 0.0), 2.0, OPEN, gripped=True)

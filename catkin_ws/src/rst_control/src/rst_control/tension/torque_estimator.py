@@ -122,8 +122,9 @@ class TorqueTension:
         self._readings += 1
 
     def _solve(self, A: Array, measured: Measurement, q: Vector) -> TensionEstimate:
-        tare = self._tares.valid(measured.stamp, q)
-        seen = self._excess - (tare.bias if tare else 0.0)
+        tare, last = self._tares.valid(measured.stamp, q), self._tares.tare
+        # One that holds no more is nearer than none: the watchdogs act on what is not trusted, too.
+        seen = self._excess - (last.bias if last else 0.0)
         spread = self._errors(q, A, self._asked, self._noise_share, tare)
         found, covariance, misfit = least_squares(A, seen, spread)
         along = self._errors.along_shaft(q, self._pull)
