@@ -6,10 +6,11 @@ import pytest
 
 from rst_control.config import URDF_FILE
 from rst_control.errors import JointLimitExceeded, RobotModelError
-from rst_control.kinematics.joint_limits import make_limits, require_ranges
+from rst_control.kinematics.joint_limits import make_limits, require_lacking_at_zero, require_ranges
 from rst_control.kinematics.robot_model import parse_robot
 from rst_control.planning.planner import Planner
 from tests.property.six_joints import example
+from tests.support.changed_settings import changed
 from typed_config import ConfigError
 
 
@@ -76,3 +77,33 @@ def test_limits_beyond_a_range_of_the_urdf_make_no_planner(motion_config, lower,
 
 def test_limits_may_be_beyond_a_range_by_what_is_rounded(motion_config):
     require_ranges(motion_config.limits, narrower("-2.57", 2.57, 0.0009))
+
+
+def test_home_has_a_joint_that_the_arm_lacks_at_zero():
+    config, model = example()
+    for angle, is_allowed in ((0.0, True), (5e-10, True), (2e-9, False), (-1.68, False)):
+        home = tuple(np.where(np.arange(9) == 6, angle, config.scene.home).tolist())
+        if is_allowed:
+            Planner(model, changed(config, scene={"home": home}))
+            continue
+        words = rf"scene.home of joint_7 is {angle:g}, allowed: 0, since the arm lacks it"
+        with pytest.raises(ConfigError, match=words):
+            Planner(model, changed(config, scene={"home": home}))
+
+
+def test_home_may_have_a_joint_that_the_arm_has_anywhere(robot, motion_config):
+    assert motion_config.scene.home[6] != 0.0
+    require_lacking_at_zero("scene.home", motion_config.scene.home, robot)
+
+
+def test_limits_leave_a_joint_that_the_arm_lacks_no_room_but_for_the_margin():
+    config, model = example()
+    assert make_limits(config.limits, 0.0).upper[6] == pytest.approx(1e-4)
+    for lower, upper in ((-0.0201, 0.03), (-6.2831, 0.0201)):
+        ends = {
+            "arm_lower": (*config.limits.arm_lower[:6], lower),
+            "arm_upper": (*config.limits.arm_upper[:6], upper),
+        }
+        words = rf"joint_7 from {lower:g} to {upper:g} rad, .* arm lacks, -0.02 to 0.02 rad"
+        with pytest.raises(RobotModelError, match=words):
+            Planner(model, changed(config, limits=ends))

@@ -10,11 +10,13 @@ from rst_control.config.collision import BodyConfig
 from rst_control.errors import Collision, RobotModelError
 from rst_control.kinematics import forward
 from rst_control.kinematics.configuration import Configuration, robot_joints
+from rst_control.kinematics.robot_model import parse_robot
 from rst_control.planning.collision import CollisionModel, Plane
 from rst_control.planning.planner import Planner
 from rst_control.trajectory.path import Path
 from rst_control.types import Reason, Rejected
 from tests.support.changed_settings import changed
+from tests.unit.rst_control.support.renamed_links import renamed_shapes, renamed_urdf
 from tests.unit.rst_control.support.situations import request, situation
 
 # Postures with the shaft near the arm, found by drawing; grasping a little further on brings it
@@ -133,6 +135,16 @@ def test_a_table_in_the_way_is_named_and_can_be_taken_away(motion_config, robot,
     assert decision.reason is Reason.COLLISION
     assert "mm from table, allowed 15.0 mm" in decision.words
     assert isinstance(tense(changed(near, collision=away), robot, home), Accepted)
+
+
+def test_a_shoulder_of_any_name_may_touch_the_table(motion_config, robot, home, model):
+    shapes = renamed_shapes(motion_config.collision)
+    renamed = CollisionModel(shapes, parse_robot(renamed_urdf()))
+    assert renamed.clearance(home) == model.clearance(home)
+    high = replace(motion_config.collision, table_height=0.25)
+    raised = CollisionModel(replace(shapes, table_height=0.25), parse_robot(renamed_urdf()))
+    assert raised.clearance(home) == CollisionModel(high, robot).clearance(home)
+    assert raised.clearance(home).first != "shoulder"
 
 
 def test_the_height_over_a_tilted_plane_is_that_of_the_lowest_point(motion_config, robot, home):

@@ -162,6 +162,23 @@ def test_from_every_pose_in_the_workspace_there_is_a_way_out(planner, insertion,
     assert count > 20
 
 
+def test_longer_jaws_keep_the_speed_of_their_tip_where_they_straighten(planner, home):
+    short, long = '"0 -0.015 0"', '"0 -0.030 0"'  # from a finger's joint to the tip
+    text = URDF_FILE.read_text(encoding="utf-8")
+    assert text.count(short) == 1
+    longer = Planner(parse_robot(text.replace(short, long)), planner.config)
+    most, bent = planner.config.controller.speed.insertion, home.copy()
+    bent[7:] = 0.5, 0.0
+    for robot, length in ((planner, 0.0265), (longer, 0.0415)):
+        path = Insertion(robot)._unbent(bent)
+        assert path.length == pytest.approx(0.5 * length)
+        ends = [path.evaluate(s).q for s in np.linspace(0.0, path.length, 200)]
+        tips = [Configuration(robot.model, q).tip for q in ends]
+        way = float(np.linalg.norm(np.diff(tips, axis=0), axis=1).sum())
+        pace = robot.pace(path, most).moving.speed
+        assert pace * way / path.length <= most * 1.0001
+
+
 def test_where_the_tip_has_no_room_to_swing_the_tool_straightens_about_it(planner, home):
     straight = home.copy()
     straight[7:] = 0.0

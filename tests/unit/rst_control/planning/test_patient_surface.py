@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from rst_control.kinematics.configuration import Configuration
+from rst_control.kinematics.robot_model import parse_robot
 from rst_control.planning.patient_surface import NOWHERE, Patient, TrocarPose
+from tests.unit.rst_control.support.renamed_links import renamed_shapes, renamed_urdf
 
 FLOAT_NOISE = 2e-6  # [m] of PyBullet's poses
 WATCHED = 0.5  # of the margin
@@ -82,3 +84,15 @@ def test_a_placement_outside_has_no_rcm_error_and_any_other_has():
     inside = TrocarPose(error=2e-3, insertion=0.1, wrist=0.08, height=-0.1, is_outside=False)
     assert inside.rcm_error == 2e-3
     assert replace(inside, is_outside=True).rcm_error == 0.0
+
+
+def test_links_of_any_name_may_turn_on_the_spot_or_pass_the_trocar(planner, home, patient):
+    config = replace(planner.config, collision=renamed_shapes(planner.config.collision))
+    renamed = Patient(parse_robot(renamed_urdf()), config)
+    assert renamed.min_standoff == patient.min_standoff
+    for q in [home, *anywhere(planner, 100, 7), *near_home(planner, home, 100, 8)]:
+        assert renamed.trocar_pose(q) == patient.trocar_pose(q)
+        assert renamed.passing.clearance(q) == patient.passing.clearance(q)
+        assert renamed.outside.clearance(q) == patient.outside.clearance(q)
+    assert renamed.passing.clearance(home).distance > 0.0
+    assert renamed.outside.clearance(home).distance < 0.0

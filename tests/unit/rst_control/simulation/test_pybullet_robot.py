@@ -12,12 +12,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rst_control.config import load_simulation_config
+from rst_control.config import SimulationConfig, load_simulation_config
 from rst_control.kinematics.configuration import Configuration, planning_joints, robot_joints
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.robot.setpoint_servo import ServoState
 from rst_control.simulation.pybullet_robot import PybulletRobot
 from rst_control.types import JOINTS, Setpoint
+from tests.property.six_joints import URDF, settings_of
+from tests.unit.rst_control.support.renamed_links import renamed_urdf
 from typed_config import ConfigError
 
 CONFIG = load_simulation_config()
@@ -99,6 +101,14 @@ def test_a_start_beyond_the_limits_of_a_joint_is_refused_by_its_name():
     q[1] = 3.0
     with pytest.raises(ConfigError, match=r"joint_2 is 3\.0, allowed: -2\.24"):
         make(start_position=tuple(q))
+
+
+def test_a_joint_that_the_arm_lacks_starts_at_zero_only():
+    config = settings_of(SimulationConfig, ("limits", "scene", "simulator", "plant"))
+    q = np.where(np.arange(9) == 6, 0.01, config.scene.home)  # within its limits
+    start = replace(config.simulator, start_position=tuple(q.tolist()))
+    with pytest.raises(ConfigError, match=r"joint_7 is 0\.01, allowed: 0, since the arm lacks it"):
+        PybulletRobot(replace(config, simulator=start), URDF)
 
 
 def test_it_follows_within_micrometres_and_within_torque_limits():
@@ -243,3 +253,15 @@ def test_time_is_skipped_only_at_rest():
 def test_a_model_that_is_not_there_is_named(tmp_path):
     with pytest.raises(FileNotFoundError, match=r"no\.urdf"):
         PybulletRobot(CONFIG, urdf=tmp_path / "no.urdf")
+
+
+def test_links_of_the_tool_may_have_any_name(tmp_path):
+    urdf = tmp_path / "renamed.urdf"
+    urdf.write_text(renamed_urdf(), encoding="utf-8")
+    with make() as robot, PybulletRobot(CONFIG, urdf=urdf) as renamed:
+        for one in (robot, renamed):
+            one.push_load(np.array([0.0, 0.5, -1.0]))
+            one.advance(0.1)
+        np.testing.assert_array_equal(renamed.tip, robot.tip)
+        np.testing.assert_array_equal(renamed.shaft(), robot.shaft())
+        np.testing.assert_array_equal(renamed.reading.effort, robot.reading.effort)

@@ -8,10 +8,14 @@ import pytest
 
 from bench.site.late_robot import LateRobot
 from rst_control.config import load_simulation_config
+from rst_control.kinematics.configuration import Configuration, planning_joints
+from rst_control.kinematics.robot_model import load_robot
 from rst_control.simulation.pybullet_robot import PybulletRobot
 from rst_control.types import Setpoint
+from tests.support.jacobians import differences
 
 CONFIG = load_simulation_config()
+MODEL = load_robot()
 
 
 def lab(**changes):
@@ -77,6 +81,28 @@ def test_a_shaft_that_stands_feels_the_breath():
         robot.advance(12.0, lambda: forces.append(np.linalg.norm(robot.plant.wall_force)))
     wall = CONFIG.plant.body_wall
     assert max(forces) == pytest.approx(wall.stiffness * (wall.stroke - wall.slack), rel=0.05)
+
+
+def test_the_torques_that_are_read_bear_the_body_wall():
+    quiet = replace(CONFIG.plant.torque_sensors, noise=(0.0,) * 7, drift=(0.0,) * 7)
+    with lab(torque_sensors=quiet) as robot:
+        robot.advance(10.1)
+        assert not robot.plant.wall_force.any()
+        np.testing.assert_allclose(robot.reading.effort, robot.true.effort, atol=1e-12)
+        robot.advance(12.0)
+        force, trocar = robot.plant.wall_force, robot.plant.trocar
+        q = planning_joints(robot.true.position)[0]
+        wall = (robot.reading.effort - robot.true.effort)[:7]
+
+    def pressed(q):
+        """The same point of the shaft, wherever it goes."""
+        return (Configuration(MODEL, q).T_base_shaft @ at)[:3]
+
+    at = np.linalg.solve(Configuration(MODEL, q).T_base_shaft, [*trocar, 1.0])
+    at[:2] = 0.0
+    assert np.linalg.norm(force) > 1.5
+    assert np.abs(wall).max() > 0.5
+    np.testing.assert_allclose(wall, -(force @ differences(pressed, q))[:7], atol=2e-3)
 
 
 def test_the_same_seed_gives_the_same_run():

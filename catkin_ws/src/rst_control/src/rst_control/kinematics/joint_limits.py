@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -13,10 +14,12 @@ from rst_control.config import LimitsConfig
 from rst_control.errors import JointLimitExceeded, RobotModelError
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.types import ARM_JOINTS, JOINTS, Vector, frozen_array
+from typed_config import require
 
 PLAN_NAMES = (*ARM_JOINTS, "joint_pitch", "yaw")
 TURN = 2.0 * np.pi
 BEYOND = 1e-3  # [rad] that a limit may be beyond the joint's range in the URDF
+ZERO = 1e-9  # [rad] that counts as zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,16 +74,37 @@ def make_limits(config: LimitsConfig, opening: float) -> JointLimits:
 def require_ranges(config: LimitsConfig, model: RobotModel) -> None:
     """Keep position limits within the ranges of the joints that the URDF calls revolute.
 
+    A joint that the arm lacks may have no room but for the margin.
+
     Raises:
         RobotModelError: They are beyond one; names the joint and both ranges.
     """
     tool = np.array([config.pitch, config.finger, config.finger])
     lows, highs = [*config.arm_lower, *-tool], [*config.arm_upper, *tool]
-    links = {link.joint: link for link in model.links.values()}
+    margin = config.position_margin
     for name, low, high in zip(JOINTS, lows, highs, strict=True):
-        link = links[name]
-        if link.type == "revolute" and max(link.lower - low, high - link.upper) > BEYOND:
+        link = model.links[model.link_of[name]]
+        lower, upper, why = link.lower, link.upper, "its range in the URDF"
+        if link.type == "fixed":
+            lower, upper, why = -margin, margin, "the margin of a joint that the arm lacks"
+        if link.type != "continuous" and max(lower - low, high - upper) > BEYOND:
             raise RobotModelError(
-                f"limits of {name} from {low:g} to {high:g} rad, allowed: its range in the URDF, "
-                f"{link.lower:g} to {link.upper:g} rad"
+                f"limits of {name} from {low:g} to {high:g} rad, allowed: {why}, "
+                f"{lower:g} to {upper:g} rad"
             )
+
+
+def require_lacking_at_zero(what: str, q: Sequence[float] | Vector, model: RobotModel) -> None:
+    """Keep joints that the arm lacks at zero.
+
+    Args:
+        what: Name of q in the settings.
+        q: Joints, the arm's first [rad].
+        model: The robot.
+
+    Raises:
+        ConfigError: One is not; names the joint.
+    """
+    for joint in model.locked:
+        angle, key = float(q[joint]), f"{what} of {ARM_JOINTS[joint]}"
+        require(abs(angle) <= ZERO, key, angle, "0, since the arm lacks it")

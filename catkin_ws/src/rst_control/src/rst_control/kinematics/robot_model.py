@@ -66,6 +66,28 @@ class RobotModel:
         return float(shaft[:, 2] @ (wrist - shaft[:, 3]))
 
     @cached_property
+    def wrist_length(self) -> float:
+        """From the pitch joint to the tip of a straight tool [m]."""
+        finger, tip = self.chain[PITCH + 1], self.chain[TIP]
+        return float(np.linalg.norm(finger[:, :3] @ tip[:, 3] + finger[:, 3]))
+
+    @cached_property
+    def link_of(self) -> dict[str, str]:
+        """Name of the link that each joint carries, by the joint's."""
+        return {link.joint: name for name, link in self.links.items()}
+
+    @cached_property
+    def standing(self) -> tuple[str, ...]:
+        """Links that at most turn on the spot: base_link, and the one behind the first joint."""
+        first = next(n for n in range(len(MOVING)) if n not in self.locked)
+        return "base_link", self.link_of[MOVING[first]]
+
+    @cached_property
+    def insertable(self) -> tuple[str, ...]:
+        """Links of the tool that fit the trocar; the right jaw counts with the left."""
+        return FRAMES[0], self.link_of["joint_pitch"], self.link_of["joint_finger_left"]
+
+    @cached_property
     def T_root_base(self) -> Array:
         """Pose of base_link in the URDF's root; joints between count as at zero. Shape (4, 4)."""
         T, link = np.eye(4), "base_link"
@@ -151,20 +173,19 @@ def _triple(text: str) -> tuple[float, float, float]:
 
 
 def _compile(model: RobotModel) -> Array:
-    by_joint = {link.joint: name for name, link in model.links.items()}
-    missing = [name for name in JOINTS if name not in by_joint]
+    missing = [name for name in JOINTS if name not in model.link_of]
     missing += [name for name in FRAMES if name not in model.links]
     if missing:
         raise RobotModelError(f"URDF without {', '.join(missing)}")
     _check_order(model)
-    targets = [by_joint[name] for name in MOVING] + list(FRAMES)
+    targets = [model.link_of[name] for name in MOVING] + list(FRAMES)
     chain = np.zeros((13, 3, 4))
-    chain[:LOCKS] = [_behind_joint(model, name)[:3] for name in targets]
-    kinds = [model.links[by_joint[name]].type for name in MOVING]
+    chain[:LOCKS] = [behind_joint(model, name)[:3] for name in targets]
+    kinds = [model.links[model.link_of[name]].type for name in MOVING]
     chain[LOCKS].flat[: len(MOVING)] = [kind == "fixed" for kind in kinds]
     _check_shaft(chain)
     _check_tip(chain)
-    _check_fingers(model, by_joint)
+    _check_fingers(model)
     return chain
 
 
@@ -205,8 +226,8 @@ def _check_tip(chain: Array) -> None:
     _check_direction("z of tool_tip in the left finger's link", tip[:3, 2], 1.0)
 
 
-def _check_fingers(model: RobotModel, by_joint: dict[str, str]) -> None:
-    left, right = (model.links[by_joint[f"joint_finger_{side}"]] for side in ("left", "right"))
+def _check_fingers(model: RobotModel) -> None:
+    left, right = (model.links[model.link_of[name]] for name in JOINTS[8:])
     if right.type == "fixed":
         raise RobotModelError("URDF: joint_finger_right is fixed, allowed: revolute or continuous")
     apart = float(np.linalg.norm(np.subtract(right.xyz, left.xyz)))
@@ -229,15 +250,15 @@ def _check_direction(what: str, axis: Array, z: float) -> None:
         )
 
 
-def _square(pose: Array) -> Array:
-    return np.vstack([pose, [0.0, 0.0, 0.0, 1.0]])
-
-
-def _behind_joint(model: RobotModel, name: str) -> Array:
-    """Pose of a link in the last link before it that a joint of MOVING carries."""
+def behind_joint(model: RobotModel, name: str) -> Array:
+    """Pose (4, 4) of a link in the last link before it that a joint of MOVING carries."""
     link = model.links[name]
     T = link.T_parent_link
     while link.parent != "base_link" and model.links[link.parent].joint not in MOVING:
         link = model.links[link.parent]
         T = link.T_parent_link @ T
     return T
+
+
+def _square(pose: Array) -> Array:
+    return np.vstack([pose, [0.0, 0.0, 0.0, 1.0]])

@@ -21,7 +21,6 @@ from rst_control.types import Vector, unit_vector
 
 Array = NDArray[np.float64]
 TABLE: Final = "table"
-STANDING: Final = ("base_link", "shoulder_link")  # they turn on the spot
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,7 @@ class CollisionModel:
         self._names = tuple(body.name for body in config.bodies)
         if config.has_table:
             normal = unit_vector(config.table_normal).tolist()
-            table = Plane(TABLE, normal, config.table_height, config.clearance, STANDING)
+            table = Plane(TABLE, normal, config.table_height, config.clearance, model.standing)
             planes = (table, *planes)
         self._planes = planes
         self.shapes = _shapes(config, model, planes)
@@ -135,9 +134,8 @@ def _shapes(
 
 def _rows(model: RobotModel) -> dict[str, int]:
     """Row of `forward.forward`'s frames by the name of the link."""
-    by_joint = {link.joint: name for name, link in model.links.items()}
     turning = [n for n in range(len(MOVING)) if n not in model.locked]  # others have no axis
-    rows = {by_joint[MOVING[row]]: row for row in turning}
+    rows = {model.link_of[MOVING[row]]: row for row in turning}
     fixed = {"tool0": forward.TOOL0, "interface_link": forward.SHAFT}
     return {"base_link": kernels.BASE, **rows, **fixed}
 

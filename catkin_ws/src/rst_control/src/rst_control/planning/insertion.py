@@ -40,7 +40,6 @@ Array = NDArray[np.float64]
 SWINGS: Final = tuple(0.2 * k for k in range(-6, 7))  # [rad] of the elbow, tried for the way out
 STRAIGHT: Final = 1e-9  # [rad] of pitch and yaw, below which the tool counts as straight
 NEARLY_STRAIGHT: Final = 0.01  # [rad] that may be straightened in the trocar: 0.3 mm at the tip
-WRIST_LENGTH: Final = 0.0265  # [m] from the pitch joint to the tip of a straight tool
 SLIGHT: Final = 1e-7  # [m] of way that is none
 NO_HOME: Final = "no joints in their limits take the home pose with the shaft through the trocar"
 
@@ -238,7 +237,7 @@ class Insertion:
     def _unbent(self, q: Vector) -> Path:
         straight = np.array(q)
         straight[7:] = 0.0
-        length = max(float(np.abs(q[7:]).max()) * WRIST_LENGTH, SLIGHT)
+        length = max(float(np.abs(q[7:]).max()) * self._planner.model.wrist_length, SLIGHT)
         slope = (straight - q) / length
         return Path(np.array([q, straight]), np.array([slope, slope]), length)
 

@@ -23,8 +23,6 @@ from rst_control.planning.collision import CollisionModel, Plane
 from rst_control.types import Vector, frozen_array, unit_vector
 
 SURFACE: Final = "patient's surface"
-FIXED: Final = ("base_link", "shoulder_link")  # they turn on the spot, wherever the patient lies
-TOOL: Final = ("interface_link", "pitch_link", "finger_left_link")  # what fits the trocar
 WATCHED_SHARE: Final = 0.5  # of the planned margin, below which the shaft has to be in the trocar
 
 
@@ -65,18 +63,19 @@ class Patient:
 
         def kept_off(clearance: float, *exempt: str) -> CollisionModel:
             offset = float(normal @ self._trocar)
-            surface = Plane(SURFACE, normal.tolist(), offset, clearance, (*FIXED, *exempt))
+            surface = Plane(SURFACE, normal.tolist(), offset, clearance, (*model.standing, *exempt))
             return CollisionModel(config.collision, model, (surface,))
 
-        self.outside = kept_off(scene.surface_margin)  # for motion wholly outside
-        self.passing = kept_off(scene.surface_margin, *TOOL)  # for motion through the trocar
-        moving = [k for k, body in enumerate(config.collision.bodies) if body.link not in FIXED]
+        self.outside = kept_off(scene.surface_margin)  # wholly outside
+        self.passing = kept_off(scene.surface_margin, *model.insertable)  # through the trocar
+        links = [body.link for body in config.collision.bodies]
+        moving = [k for k, link in enumerate(links) if link not in model.standing]
         shapes = self.outside.shapes
         self._capsules, self._frames = shapes.capsules[moving], shapes.frames[moving]
-        tool = [k for k, body in enumerate(config.collision.bodies) if body.link in TOOL]
+        tool = [k for k, link in enumerate(links) if link in model.insertable]
         before_tip = _before_tip(self._chain, shapes.capsules[tool], shapes.frames[tool])
         self.min_standoff = scene.surface_margin + before_tip  # [m] that leaves the margin
-        self.sweep = _reach(self._chain, self._shaft) + self.min_standoff  # [m] of pitch and yaw
+        self.sweep = model.wrist_length + self.min_standoff  # [m] of pitch and yaw
 
     def wrist_height(self, q: Vector) -> float:
         """Height of the tool's wrist above the surface at q (9,) [rad], whatever the tool's [m]."""
@@ -96,14 +95,6 @@ class Patient:
         # Outside, a tool that points elsewhere may have its tip beyond the trocar along its shaft.
         insertion = min(tip, -tip_height) if tip_height > 0.0 else tip
         return TrocarPose(error, insertion, self._shaft - along, height, is_outside)
-
-
-def _reach(chain: Any, shaft_length: float) -> float:
-    """Furthest that the tip is from the wrist [m]: with the tool straight."""
-    frames = np.empty((12, 3, 4))
-    kin.forward(chain, np.zeros(9), frames)
-    wrist = frames[kin.SHAFT, :, 3] + shaft_length * frames[kin.SHAFT, :, 2]
-    return float(np.linalg.norm(frames[kin.TIP, :, 3] - wrist))
 
 
 def _before_tip(chain: Any, capsules: Any, rows: Any) -> float:

@@ -19,7 +19,7 @@ from rst_control.errors import (
 from rst_control.kinematics import continuation, forward
 from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.ik_solver import IkSolver
-from rst_control.kinematics.joint_limits import make_limits, require_ranges
+from rst_control.kinematics.joint_limits import make_limits, require_lacking_at_zero, require_ranges
 from rst_control.kinematics.rcm import rcm_jacobian, rcm_offset, rcm_state
 from rst_control.kinematics.robot_model import RobotModel
 from rst_control.planning.collision import CollisionModel
@@ -60,11 +60,13 @@ class Planner:
 
     Raises:
         RobotModelError: The robot lacks what the settings ask of shaft, joint ranges or links.
+        ConfigError: Home turns a joint that the robot lacks.
     """
 
     def __init__(self, model: RobotModel, config: MotionConfig) -> None:
         _require_shaft(model, config)
         require_ranges(config.limits, model)
+        require_lacking_at_zero("scene.home", config.scene.home, model)
         self.model, self.config = model, config
         self.trocar = frozen_array(config.scene.trocar, 3)
         self.centre = frozen_array(config.scene.workspace_centre, 3)

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from rst_control.kernels import kernel
 from rst_control.kinematics import forward
-from rst_control.kinematics.robot_model import RobotModel
+from rst_control.kinematics.robot_model import RobotModel, behind_joint
 from rst_control.types import PLAN_COUNT, Vector
 
 Array = NDArray[np.float64]
-RIGHT = "finger_right_link"
+RIGHT = "joint_finger_right"
 FINGER = 8  # row of the finger in `RobotModel.chain`, and its number among the joints to it
 
 
@@ -27,7 +27,7 @@ class JawTips:
 
     def __init__(self, model: RobotModel) -> None:
         right = model.chain.copy()
-        right[FINGER] = model.links[RIGHT].T_parent_link[:3]
+        right[FINGER] = behind_joint(model, model.link_of[RIGHT])[:3]
         self._chains = np.stack([model.chain, right])
         self._scratch = np.empty(PLAN_COUNT), np.empty((12, 3, 4))
 

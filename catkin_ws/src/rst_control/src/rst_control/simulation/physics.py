@@ -28,9 +28,9 @@ from rst_control.simulation.rigid_parts import joined
 from rst_control.types import JOINTS, Vector
 
 MOTOR_GAIN = 1.0  # share of the gap to the course that is closed in one step
-WRIST = "joint_7"  # its link carries the shaft
+WRIST, PITCH = "joint_7", "joint_pitch"  # their links carry the shaft, and begin at its end
 JOINT_NAME, TORQUE_LIMIT, LINK_NAME = 1, 10, 12  # fields of getJointInfo
-FINGERS = ("finger_left_link", "finger_right_link")
+FINGERS = JOINTS[8:]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -89,8 +89,8 @@ class RobotPhysics(BulletWorld):
         self._robot = _load_parts(urdf, self._client, self._model)
         self._links = link_indices(self._robot, self._client)
         self._joints = joint_indices(self._robot, self._client)
-        self._fingers = [self._links[name] for name in FINGERS]
-        self._wrist = next(n for n, link in self._model.links.items() if link.joint == WRIST)
+        self._fingers = [self._links[self._model.link_of[name]] for name in FINGERS]
+        self._wrist = self._model.link_of[WRIST]
         self._turning = [n for n in range(len(JOINTS)) if n not in self._model.locked]
         motors = [self._joints[n] for n in self._turning]
         info = [pybullet.getJointInfo(self._robot, j, **self._on) for j in motors]
@@ -153,10 +153,10 @@ class RobotPhysics(BulletWorld):
         return self._tips[2]
 
     def shaft(self) -> tuple[Vector, Vector]:
-        """Both ends of the shaft (interface_link, pitch_link), base frame, [m]. Shapes (3,)."""
+        """Both ends of the shaft (interface_link, pitch joint), base frame, [m]. Shapes (3,)."""
         place, turn = self._pose(self._wrist)
         interface = place + turn @ self._model.chain[forward.SHAFT, :, 3]
-        return interface, self._pose("pitch_link")[0]
+        return interface, self._pose(self._model.link_of[PITCH])[0]
 
     def _set_up(self, position: Vector) -> None:
         pybullet.setGravity(*self.gravity.tolist(), **self._on)

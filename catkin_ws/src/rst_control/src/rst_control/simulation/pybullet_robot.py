@@ -12,6 +12,8 @@ import numpy as np
 from rst_control.config import URDF_FILE, LimitsConfig, SimulationConfig
 from rst_control.kinematics.configuration import robot_joints
 from rst_control.kinematics.inverse_dynamics import InverseDynamics
+from rst_control.kinematics.joint_limits import require_lacking_at_zero
+from rst_control.kinematics.robot_model import load_robot
 from rst_control.robot import joint_kernels
 from rst_control.robot.backend import RobotBackend
 from rst_control.robot.setpoint_servo import Servo, ServoLimits, ServoState, warm_up
@@ -33,7 +35,8 @@ class PybulletRobot(RobotBackend):
         start: Time of the first state [s]; set-points are stamped on the same clock.
 
     Raises:
-        ConfigError: The start position is beyond the limits of a joint.
+        ConfigError: The start position is beyond the limits of a joint, or turns one that the arm
+            lacks.
         FileNotFoundError: There is no such model.
     """
 
@@ -48,6 +51,7 @@ class PybulletRobot(RobotBackend):
         self._has_error = bool(self._error.any())
         limits = servo_limits(config.limits)
         require_within(limits, begin)
+        require_lacking_at_zero("start", begin, load_robot(urdf))
         self._physics = RobotPhysics(urdf, begin + self._error, self.time_step, scene.gravity)
         warm_up(simulator.servo, limits)
         self._servo = Servo(simulator.servo, limits, begin)
@@ -226,7 +230,8 @@ class PybulletRobot(RobotBackend):
         if self._plant is not None:
             position, velocity = self._plant.read()
             effort = np.array(true.effort)
-            effort[:ARM_COUNT] = self._plant.torque_sensors.read(effort[:ARM_COUNT])
+            arm = effort[:ARM_COUNT] + self._plant.wall_torques  # PyBullet knows of no wall
+            effort[:ARM_COUNT] = self._plant.torque_sensors.read(arm)
             return JointReading(position, velocity, effort)
         return replace(true, position=true.position - self._error) if self._has_error else true
 

@@ -72,6 +72,7 @@ class LabPlant:
         self._frames = np.empty((12, 3, 4))
         self._count, self._q, self._motors = 0, np.array(q), np.array(q)
         self.wall_force = np.zeros(3)  # [N] of the body wall on the shaft, base frame
+        self.wall_torques = np.zeros(ARM_COUNT)  # [N m] that hold the arm's joints against it
         forward.forward(self._chain, self._q, self._frames)
 
     @property
@@ -110,7 +111,9 @@ class LabPlant:
         add_load(self._frames, PLAN_COUNT, now.tip, now.force, pushed)
         shaft = self._frames[forward.SHAFT]
         end = shaft[:, 3] + self._shaft_length * shaft[:, 2]
+        on_jaws = pushed[:ARM_COUNT].copy()
         self.wall_force, point = self.body_wall.force(self.time, shaft[:, 3], end)
         if self.wall_force.any():
             add_load(self._frames, ARM_COUNT, point, self.wall_force, pushed)
+        self.wall_torques = on_jaws - pushed[:ARM_COUNT]
         return self._gravity - pushed[:ARM_COUNT], pushed[ARM_COUNT:]
