@@ -37,11 +37,11 @@ class Pedal(unittest.TestCase):
         cls.stops, cls.commands, cls.gate, cls.health, cls.held = [], [], [], [], []
         stops = rospy.Subscriber("rst_control/stop", Empty, cls.note_stop)
         rospy.Subscriber("voice_assist/talk", Bool, lambda m: cls.gate.append(m.data))
-        rospy.Subscriber("rst_control/dead_man", Bool, lambda m: cls.held.append(m.data))
+        held = rospy.Subscriber("rst_control/dead_man", Bool, lambda m: cls.held.append(m.data))
         rospy.Subscriber("/diagnostics", DiagnosticArray, cls.note_health)
         rospy.Service("rst_control/command", Command, cls.take)
         cls.joy = rospy.Publisher("joy", Joy, queue_size=10)
-        links = (cls.joy, stops)
+        links = (cls.joy, stops, held)  # without the last it commands nothing but a stop
         wait_until(lambda: all(link.get_num_connections() for link in links))
 
     @classmethod

@@ -2,10 +2,13 @@
 """CRTK's commands that wait, where a later one stops the robot."""
 
 import threading
+import time
 from queue import Queue
 from types import SimpleNamespace
 
 import pytest
+import rospy
+from crtk_msgs.msg import StringStamped
 
 from rst_control.ros.crtk import node as node_module
 from rst_control.ros.crtk.node import DROPPED, STOPPED_AGAIN, CrtkNode
@@ -19,15 +22,19 @@ ACCEPTED = Reply(SimpleNamespace(accepted=True))
 def node():
     stops, it = [], object.__new__(CrtkNode)
     it._stop, it._commands = SimpleNamespace(publish=stops.append), Queue(8)
-    it._brakes, it.warned = 0, []
+    it._brakes, it._newest, it.warned = 0, {}, []
     it._warn = it.warned.append
     return it, stops
 
 
 def says(it, words):
     """In the order in which rospy calls the subscribers of one topic."""
-    it._on_brake(SimpleNamespace(string=words))
-    it._on_command(SimpleNamespace(string=words))
+    hear(it, StringStamped(string=words))
+
+
+def hear(it, message):
+    it._on_brake(message)
+    it._on_command(message)
 
 
 @pytest.mark.parametrize(("last", "left"), [("pause", []), ("disable", ["terminate"])])
@@ -139,3 +146,66 @@ def test_the_state_is_published_while_a_call_hangs(monkeypatch):
     finally:
         is_over.set()
     running.join()
+
+
+# A client's newest command reaches each new connection, where its publisher keeps it (latches).
+
+
+class Client:
+    """A client as crtk_python_client makes it: its messages are latched and have no stamp."""
+
+    def __init__(self, it, latching="1"):
+        self.it, self.latching = it, latching
+        self.connect()
+
+    def connect(self):
+        self.header = {"callerid": "/client", "latching": self.latching}
+
+    def gives(self, words, age=None):
+        message = StringStamped(string=words)
+        if age is not None:
+            message.header.stamp = rospy.Time.from_sec(time.time() - age)
+        message._connection_header = self.header
+        hear(self.it, message)
+        return self.it._commands.qsize()
+
+
+@pytest.fixture(autouse=True)
+def clock(monkeypatch):
+    monkeypatch.setattr(rospy, "get_time", time.time)
+
+
+@pytest.mark.parametrize("words", ["enable", "resume", " Enable "])
+@pytest.mark.parametrize("age", [None, 60.0, -60.0])
+def test_a_latched_command_of_before_the_connection_wakes_nobody(words, age):
+    it, stops = node()
+    client = Client(it)
+    assert client.gives(words, age) == 0 and not stops
+    (warned,) = it.warned
+    assert "may be from before this connection: give it again" in warned
+    assert client.gives(words, age) == 1  # given again
+    client.connect()
+    assert client.gives(words, age) == 1 and len(it.warned) == 2
+
+
+@pytest.mark.parametrize(("latching", "age"), [("1", 0.2), ("1", -0.2), ("0", None), ("0", 60.0)])
+def test_a_command_with_a_stamp_of_now_or_that_is_not_latched_counts_at_once(latching, age):
+    it, _ = node()
+    assert Client(it, latching).gives("enable", age) == 1 and not it.warned
+
+
+def test_a_latched_brake_of_before_the_connection_brakes_and_a_later_command_counts():
+    it, stops = node()
+    client = Client(it)
+    assert client.gives("disable") == 1 and len(stops) == 1
+    assert it._commands.get()[0] == "terminate"
+    assert client.gives("enable") == 1 and not it.warned
+
+
+def test_each_clients_connection_has_its_own_first_command():
+    it, _ = node()
+    first, second = Client(it), Client(it)
+    second.header["callerid"] = "/other"
+    assert first.gives("enable") == 0
+    assert second.gives("enable") == 0
+    assert first.gives("enable") == 1

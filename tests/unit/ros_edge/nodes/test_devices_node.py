@@ -2,6 +2,7 @@
 """The devices node calls what is said to a voice node, and says what became of a call."""
 
 import socket
+import threading
 import time
 from contextlib import nullcontext
 from types import SimpleNamespace
@@ -10,6 +11,7 @@ import pytest
 import rospy
 from std_srvs.srv import SetBoolResponse
 
+from support.waiting import wait_until
 from typed_config import ConfigError, load_yaml
 from typed_config.ros.launch_settings import RESTART
 from typed_config.ros.service_calls import Reply
@@ -143,20 +145,21 @@ def test_a_master_that_does_not_answer_keeps_no_call_from_being_made(monkeypatch
 
 @pytest.mark.parametrize("is_restart", [True, False])
 def test_what_an_earlier_launch_left_is_not_undone(monkeypatch, is_restart):
-    given = {"calls": [LAMP], "to_undo": ["light on"]}
+    given = {"calls": [LAMP], "to_undo": ["light on"], "goal": ["tidy up", "goal 1"]}
     made = []
     node = SimpleNamespace(run=lambda: None)
     monkeypatch.setattr(node_module, "starting", lambda *_, **__: nullcontext())
     monkeypatch.setattr(node_module, "launch_settings", lambda own: given if own else {})
+    monkeypatch.setattr(node_module, "stay_registered", lambda: None)
     for name in ("spoken_commands", "require_harmless"):
         monkeypatch.setattr(node_module, name, lambda *_: None)
-    monkeypatch.setattr(node_module, "DevicesNode", lambda *words: made.append(words[2]) or node)
+    monkeypatch.setattr(node_module, "DevicesNode", lambda *words: made.append(words[2:]) or node)
     if is_restart:
         monkeypatch.setenv(RESTART, "1")
     else:
         monkeypatch.delenv(RESTART, raising=False)
     main()
-    assert made == [["light on"] if is_restart else []]
+    assert made == [(["light on"], ["tidy up", "goal 1"]) if is_restart else ([], [])]
 
 
 @pytest.fixture
@@ -194,3 +197,129 @@ def test_nothing_is_sent_to_a_node_that_has_ended(monkeypatch, connected, given,
     assert result.may_have_effect is is_there
     assert ("nobody" in result.words) is not is_there
     assert result.is_done is (is_there and given is PLAYER)
+
+
+# An action at work where the node is killed: only a goal's id cancels it, and no goal of others.
+
+VENT = LAMP | {"phrase": "vent", "kind": "action", "type": "rst_control/Assist"}
+VENT |= {"arguments": "{command: vent}", "target": "/vent", "within": 0.1}
+
+
+class Topic:
+    """A publisher whose listeners a test sets."""
+
+    def __init__(self):
+        self.sent, self.listeners, self.on_publish = [], {"/server"}, lambda: None
+
+    def publish(self, message):
+        self.on_publish()
+        self.sent.append(message)
+
+
+def undo(node):
+    """What the thread of a start does, until ROS ends."""
+    node._undo()
+    for thread in threading.enumerate():
+        if thread.name == "calls":
+            thread.join(10.0)
+            assert not thread.is_alive()
+
+
+@pytest.fixture
+def node_of_actions(monkeypatch, kept):
+    """Makes a node of two actions, of which one undoes the other, and gives it with its topics."""
+    topics = {}
+    for name in ("Publisher", "Subscriber"):
+        monkeypatch.setattr(rospy, name, lambda *_, **__: None)
+    monkeypatch.setattr(node_module, "Believed", lambda: SimpleNamespace(hear=lambda *_: None))
+    monkeypatch.setattr(targets, "_publisher", lambda at, _: topics.setdefault(at, Topic()))
+    monkeypatch.setattr(targets, "open_listeners", lambda topic: topic.listeners)
+    monkeypatch.setattr(targets, "CANCEL_WITHIN", 0.05)
+
+    def make(*left):
+        config = devices_config({"calls": [VACUUM | {"on_stop": "vent"}, VENT]})
+        node = DevicesNode(config, SimpleNamespace(phrases=()), *left)
+        node.results = []
+        node._report = node.results.append
+        return node, topics
+
+    return make
+
+
+def test_the_goal_of_an_action_is_kept_before_it_is_sent_and_until_it_has_ended(
+    node_of_actions, kept
+):
+    node, topics = node_of_actions()
+    at_work = []
+    topics["/lamp/goal"].on_publish = lambda: at_work.append(kept["/devices/goal"])
+    node._calls.said("tidy up")
+    node._make(node._calls.next(0.0), lambda: False)
+    (goal,), (cancel,) = topics["/lamp/goal"].sent, topics["/lamp/cancel"].sent
+    assert at_work == [["tidy up", goal.goal_id.id]] and goal.goal_id.id
+    assert kept["/devices/goal"] == []
+    assert (cancel.id, cancel.stamp) == (goal.goal_id.id, rospy.Time())  # a stamp: of all before
+
+
+def test_the_goal_of_what_a_stop_makes_is_not_kept_as_no_stop_cancels_it(node_of_actions, kept):
+    node, topics = node_of_actions()
+    node._calls.said("vent")
+    node._make(node._calls.next(0.0), lambda: False)
+    assert len(topics["/vent/goal"].sent) == 1 and "/devices/goal" not in kept
+
+
+@pytest.mark.parametrize("is_served", [True, False])
+def test_a_node_that_starts_again_cancels_the_action_at_work_and_then_undoes_it(
+    monkeypatch, node_of_actions, kept, is_served
+):
+    node, topics = node_of_actions(["tidy up"], ["tidy up", "goal 1"])
+    cancel = topics["/lamp/cancel"]
+    cancel.listeners = {"/server"} if is_served else set()
+    undone = []
+    topics["/vent/goal"].on_publish = lambda: undone.append(len(cancel.sent))
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: bool(undone))
+    undo(node)
+    assert undone == [int(is_served)]
+    assert [(sent.id, sent.stamp) for sent in cancel.sent] == [("goal 1", rospy.Time())] * is_served
+    assert ("cancelled" in node.results[0].words) is is_served
+    assert node.results[0].call.phrase == "tidy up" and not node.results[0].is_done
+    assert kept["/devices/goal"] == []
+
+
+@pytest.mark.parametrize("left", [["tidy up"], ["no phrase any more", "goal 1"], ["tidy up", 3]])
+def test_a_goal_that_cannot_be_cancelled_keeps_nothing_from_being_undone(
+    monkeypatch, node_of_actions, left
+):
+    node, topics = node_of_actions(["tidy up"], left)
+    monkeypatch.setattr(rospy, "logerr", lambda *_: None)
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: bool(topics["/vent/goal"].sent))
+    undo(node)
+    assert len(topics["/vent/goal"].sent) == 1
+
+
+def test_a_node_that_starts_without_an_action_at_work_cancels_nothing(monkeypatch, node_of_actions):
+    node, topics = node_of_actions()
+    looks = []
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: looks.append(1) or len(looks) > 2)
+    undo(node)
+    assert not any(topic.sent for topic in topics.values()) and node.results == []
+
+
+def test_a_result_of_the_start_is_published_once_those_who_show_it_are_connected(monkeypatch, kept):
+    """What undoes calls waits for none of it."""
+    monkeypatch.setattr(node_module, "HEARD_AFTER", 1.5)
+    monkeypatch.setattr(node_module, "IDLE", 0.01)
+    monkeypatch.setattr(rospy, "get_time", time.time)
+    monkeypatch.setattr(rospy.Time, "now", lambda: rospy.Time.from_sec(time.time()))
+    began = time.monotonic()
+    node, published = node_of_lamp(monkeypatch, "light on"), []
+    del node._report
+    publish = lambda message: published.append(time.monotonic() - began)  # noqa: E731
+    node._result = node._say = SimpleNamespace(publish=publish)
+    node._phrases = ()
+    monkeypatch.setattr(rospy, "is_shutdown", lambda: not node._calls.to_undo())
+    undo(node)
+    assert node._calls.to_undo() == [] and not published
+    wait_until(lambda: len(published) == 2)
+    assert min(published) >= 1.5
+    node._report(CallResult(DeviceCallConfig(**OFF), True, ""))
+    assert len(published) == 4  # later on, at once

@@ -101,7 +101,8 @@ class Driven:
         monkeypatch.setattr(pedal_node, "rospy", SimpleNamespace(**log))
         self.connections, self.actions = [connection(name) for name in names], []
         node = self.node = bare_node(self.actions)
-        node._known = SimpleNamespace(is_believed=lambda by, name: name in JOYS)
+        node._known, node._dead_man = SimpleNamespace(is_believed=is_believed), None
+        monkeypatch.setattr(pedal_node, "open_listeners", lambda _: {CONTROLLER})
         node._joy = SimpleNamespace(
             impl=SimpleNamespace(connections=self.connections),
             get_num_connections=lambda: len(self.connections),
@@ -129,7 +130,11 @@ class Driven:
         return self.node._pedals.is_held
 
 
-JOYS = ("/joy_node", "/joy")
+JOYS, CONTROLLER = ("/joy_node", "/joy"), "/controller"
+
+
+def is_believed(by, name):
+    return name in {"joy": JOYS, "controller": (CONTROLLER,)}[by]
 
 
 def test_a_driver_that_is_killed_releases_the_dead_man_beside_another(monkeypatch):
@@ -210,6 +215,7 @@ def test_a_connection_that_closed_is_none(monkeypatch):
 
 STOP = {**HELD, "does": "command", "command": "stop"}
 MORE = {**STOP, "input": "button 1", "command": "pull more"}
+BRAKED = ["stop is published", "stop"]  # by the topic, and by the service that is looked up anew
 
 
 class Acting:
@@ -234,6 +240,9 @@ class Acting:
         node._client = SimpleNamespace(call=call, forget=lambda: None)
         told = lambda message: self.acts.append(f"dead-man {message.data}")  # noqa: E731
         node._dead_man = SimpleNamespace(publish=told)
+        node._known = SimpleNamespace(is_believed=is_believed)
+        self.listeners = {CONTROLLER}  # of the dead-man
+        monkeypatch.setattr(pedal_node, "open_listeners", lambda _: self.listeners)
         node._pedals.found()
         node._pedals.take(dict.fromkeys(("button 0", "button 1"), 0.0))
 
@@ -265,7 +274,7 @@ def test_a_late_release_of_the_dead_man_brakes(monkeypatch):
     acting = Acting(monkeypatch, HELD)
     acting.node._take({"button 0": 1.0}, time.time())
     acting.node._take({"button 0": 0.0}, time.time() - 60.0)
-    assert acting.acts == ["dead-man True", "dead-man False", "stop is published"]
+    assert acting.acts == ["dead-man True", "dead-man False", *BRAKED]
 
 
 def test_a_dead_man_whose_news_become_late_is_released_until_a_press_in_time(monkeypatch):
@@ -273,7 +282,7 @@ def test_a_dead_man_whose_news_become_late_is_released_until_a_press_in_time(mon
     acting.node._take({"button 0": 1.0}, time.time())
     for _ in range(3):
         acting.node._take({"button 0": 1.0}, time.time() - 5.0)
-    assert acting.acts == ["dead-man True", "dead-man False", "stop is published"]
+    assert acting.acts == ["dead-man True", "dead-man False", *BRAKED]
     level, words = acting.node._state_of_device()
     assert level == DiagnosticStatus.ERROR and "5.00 s old" in words
     assert sum("5.00 s old" in said for said in acting.words) == 2  # the news, and the stop
@@ -330,7 +339,7 @@ def test_a_node_that_ends_tells_that_the_dead_man_is_released(monkeypatch):
     acting.node._take({"button 0": 1.0})
     acting.acts.clear()
     acting.node._leave()
-    assert acting.acts == ["stop is published", "dead-man False"]
+    assert acting.acts == [*BRAKED, "dead-man False"]
 
 
 def test_a_joy_has_the_age_of_its_header(monkeypatch):
@@ -343,3 +352,48 @@ def test_a_joy_has_the_age_of_its_header(monkeypatch):
     message.buttons = [1, 1]
     acting.node._on_joy(message)
     assert acting.acts == ["stop is published", "stop"]
+
+
+# A controller that does not hear the dead-man, such as one of a new master.
+
+
+@pytest.mark.parametrize("listeners", [set(), {"/recorder"}])
+@pytest.mark.parametrize("does", ["dead_man", "talk", "mute"])
+def test_a_controller_that_does_not_listen_gets_stops_and_nothing_else(
+    monkeypatch, does, listeners
+):
+    acting = Acting(monkeypatch, {**HELD, "does": does}, MORE, {**STOP, "input": "button 2"})
+    acting.listeners, acting.node._tell = listeners, lambda: None
+    acting.node._take({"button 1": 1.0, "button 2": 1.0})
+    assert acting.acts == BRAKED
+    assert "pull more, by button 1, is dropped: the controller does not listen" in acting.words[0]
+    level, words = acting.node._state_of_device()
+    assert level == DiagnosticStatus.ERROR and "the controller does not listen" in words
+    acting.listeners = {CONTROLLER}
+    acting.node._take({"button 1": 0.0})
+    acting.node._take({"button 1": 1.0})
+    assert acting.acts[-1] == "pull more"
+    assert acting.node._state_of_device() == (DiagnosticStatus.OK, "there")
+
+
+def test_a_release_that_the_controller_does_not_hear_stops_by_the_service(monkeypatch):
+    acting = Acting(monkeypatch, HELD)
+    acting.listeners = set()
+    acting.node._take({"button 0": 1.0})
+    acting.node._take({"button 0": 0.0})
+    assert acting.acts == ["dead-man True", "dead-man False", *BRAKED]
+
+
+def test_commands_alone_need_nobody_who_hears_a_dead_man(monkeypatch):
+    acting = Acting(monkeypatch, STOP, MORE)
+    acting.listeners = set()
+    acting.node._take({"button 1": 1.0})
+    assert acting.acts == ["pull more"]
+    assert acting.node._state_of_device() == (DiagnosticStatus.OK, "there")
+
+
+def test_a_joy_that_is_connected_is_not_well_while_the_controller_does_not_listen(monkeypatch):
+    node = Driven(monkeypatch, "/joy").node
+    node._trouble = pedal_node.NOT_FOUND
+    monkeypatch.setattr(pedal_node, "open_listeners", lambda _: set())
+    assert node._state_of_device()[0] == DiagnosticStatus.ERROR

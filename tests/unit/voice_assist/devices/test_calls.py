@@ -131,6 +131,49 @@ def test_what_undoes_a_call_is_made_at_each_stop_until_it_is_done():
     assert undone(calls) == []
 
 
+def restarted():
+    """Calls of a node that was started again; what its restart has to undo."""
+    calls = DeviceCalls(made(*PRESSURE, *LIGHT))
+    calls.undo(["higher pressure", "light on"])
+    return calls
+
+
+def test_what_a_restart_undoes_is_tried_again_once_after_a_pause():
+    calls = restarted()
+    for _ in range(2):
+        assert undone(calls, is_done=False) == ["go dark", "pressure down"]
+    for _ in range(2):
+        assert undone(calls) == []
+    calls.stopped()
+    assert undone(calls, is_done=False) == ["go dark", "pressure down"]
+
+
+def test_what_a_restart_undid_is_not_tried_again():
+    calls = restarted()
+    for undos in (["go dark", "pressure down"], [], []):
+        assert undone(calls) == undos
+
+
+def test_no_call_is_made_before_what_a_restart_undoes_was_tried_again():
+    calls = restarted()
+    calls.said("light on")
+    for is_done in (False, True):
+        assert calls.next(0.0) is None
+        end(calls, calls.next_undoing(0.0), is_done)
+    assert calls.next_undoing(0.0) is None and calls.next(0.0) is None  # the pause
+    assert undone(calls) == ["go dark"]
+    assert begun(calls) == ["light on"]
+
+
+def test_a_stop_takes_the_place_of_what_would_be_tried_again():
+    calls = restarted()
+    for _ in range(2):
+        end(calls, calls.next_undoing(0.0), is_done=False)
+    calls.stopped()
+    for undos in (["go dark", "pressure down"], [], []):
+        assert undone(calls) == undos
+
+
 NO_ANSWER = {"is_done": False, "may_have_effect": True}
 REFUSED = {"is_done": False, "may_have_effect": False}
 

@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A profile at work: which one is used, which is refused and why, and what deletes it."""
 
+import json
+
 import numpy as np
 import pytest
+import rospy
 import torch
 
+from rst_control.host.respawn import RESTART
 from tests.unit.voice_assist.support.records import take
 from voice_assist import recognizer
 from voice_assist.assembly import make_recognizer
@@ -22,6 +26,7 @@ from voice_assist.profile.active import (
 from voice_assist.profile.manifest import ACTIVE, RECORDING, REFUSED, to_bytes
 from voice_assist.profile.profile import VoiceProfileError, create_profile, facts_of
 from voice_assist.replay.replayer import restore_settings
+from voice_assist.ros.node_settings import NOTED, keep_profile, node_settings
 from voice_assist.types import RATE
 
 
@@ -186,3 +191,64 @@ def test_profiles_are_listed_and_shown_with_what_is_wrong(profile, capsys):
     assert profile.digest[:20] in capsys.readouterr().out.replace("\n", "")
     with pytest.raises(VoiceProfileError, match="needs the name of a profile, there: ada, bob"):
         enroll.manage("show", None, root, False)
+
+
+class Launched:
+    """A voice node's parameters; `start` is what each of its starts does with the profile."""
+
+    def __init__(self, monkeypatch, profile, sha256=""):
+        folder = str(profile.folder.parent)
+        self.tree = {"profile": {"name": "ada", "folder": folder, "sha256": sha256}}
+        self.beside = {}
+        self.errors, self.is_started, self.setenv = [], False, monkeypatch.setenv
+        monkeypatch.delenv(RESTART, raising=False)
+        monkeypatch.setattr(rospy, "get_param", self.get)
+        monkeypatch.setattr(rospy, "set_param", self.set)
+        note = lambda words, *parts: self.errors.append(words % parts)  # noqa: E731
+        monkeypatch.setattr(rospy, "logerr", note)
+
+    def get(self, name, default=None):
+        tree = json.loads(json.dumps(self.tree if name.startswith("~") else self.beside))
+        return tree if name == "~" else tree.get(name.removeprefix("~"), default)
+
+    def set(self, name, value):
+        (self.tree if name.startswith("~") else self.beside)[name.removeprefix("~")] = value
+
+    def start(self):
+        if self.is_started:
+            self.setenv(RESTART, "1")
+        self.is_started = True
+        config = node_settings().profile
+        digest = profile_in_use(config).digest
+        keep_profile(config, digest)
+        assert self.tree["profile"]["sha256"] == digest  # for a replay
+        return digest
+
+
+def learn(profile):
+    profile.put("voiceprint.npz", b"another")
+    profile.judge(ACTIVE)
+
+
+def test_after_a_crash_a_profile_that_was_learned_anew_is_used_and_said_once(profile, monkeypatch):
+    launched = Launched(monkeypatch, profile)
+    before = [launched.start() for _ in range(2)]
+    assert set(before) == {profile.digest} and launched.errors == []
+    learn(profile)
+    after = launched.start()
+    assert after not in before
+    (error,) = launched.errors
+    assert "'ada'" in error and after[:12] in error and before[0][:12] in error
+    assert set(launched.tree) == {"profile", "launched"}  # a replay knows them
+    assert launched.start() == after and len(launched.errors) == 1
+
+
+def test_after_a_crash_a_profile_is_still_the_one_that_the_launch_asked_for(profile, monkeypatch):
+    launched = Launched(monkeypatch, profile, sha256=profile.digest)
+    launched.beside[NOTED] = profile.digest  # of a launch before
+    for _ in range(2):
+        launched.start()
+    learn(profile)
+    with pytest.raises(VoiceProfileError, match="it was changed since"):
+        launched.start()
+    assert launched.errors == []

@@ -47,7 +47,7 @@ def test_what_a_stop_undoes_does_not_wait_for_a_call_that_hangs(monkeypatch):
     node = object.__new__(DevicesNode)
     told = threading.Semaphore(0)
     node._known = SimpleNamespace(publish_status=told.release)
-    node._keep = lambda: None
+    node._keep, node._left = lambda: None, ()
     node._calls = DeviceCalls(devices_config({"calls": list(LIGHT)}))
     light, dark = Target(LIGHT[0], may_end), Target(LIGHT[1])
     node._targets = {"light on": light, "go dark": dark}

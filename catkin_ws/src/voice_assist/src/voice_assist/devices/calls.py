@@ -50,6 +50,8 @@ class DeviceCalls:
         # effect, or may have had one, since they were last undone.
         self._at_work: dict[str, str] = {}
         self._undone_by: dict[str, str] = {}
+        self._of_restart: set[str] = set()  # phrases of what undoes calls of an earlier process
+        self._again: deque[DeviceCallConfig] = deque()  # of these, what failed once
 
     def said(self, phrase: str) -> CallResult | None:
         """Let the call of a command wait, if it has one; gives why it is refused, else None."""
@@ -84,6 +86,8 @@ class DeviceCalls:
             self._is_undoing = False
             self._changed.notify_all()
             if not self._changed.wait_for(lambda: self._undoing, timeout):
+                self._undoing.extend(self._again)  # next time: after this pause
+                self._again.clear()
                 return None
             self._is_undoing = True
             return self._begin(self._undoing.popleft())
@@ -95,7 +99,7 @@ class DeviceCalls:
         return lambda: self._is_stopped
 
     def _is_next_due(self) -> bool:
-        return bool(self._waiting) and not (self._undoing or self._is_undoing)
+        return bool(self._waiting) and not (self._undoing or self._again or self._is_undoing)
 
     def _begin(self, call: DeviceCallConfig) -> DeviceCallConfig:
         self._at_work[call.phrase] = call.on_stop
@@ -111,6 +115,9 @@ class DeviceCalls:
         call = result.call
         with self._changed:
             was_undone = self._at_work.pop(call.phrase, None) is None
+            if not result.is_done and call.phrase in self._of_restart:
+                self._again.append(call)
+            self._of_restart.discard(call.phrase)
             if result.is_done and call not in self._undoing:  # the last one counts
                 for calls in (self._undone_by, self._at_work):
                     for phrase in [p for p, undo in calls.items() if undo == call.phrase]:
@@ -131,10 +138,14 @@ class DeviceCalls:
             return list(dict.fromkeys([*self._undone_by, *at_work]))
 
     def undo(self, phrases: Iterable[str]) -> None:
-        """Undo calls of an earlier process at once, as a stop does; `to_undo` named them there."""
+        """Undo calls of an earlier process at once, as a stop does; `to_undo` named them there.
+
+        What fails is tried again once, after a pause in which nothing else is to be undone.
+        """
         with self._changed:
             calls = [call for phrase in phrases if (call := self._config.get(phrase))]
             self._undone_by.update({call.phrase: call.on_stop for call in calls if call.on_stop})
+            self._of_restart = set(self._undone_by.values())
         self.stopped()
 
     def stopped(self) -> tuple[CallResult, ...]:
@@ -152,6 +163,7 @@ class DeviceCalls:
             undoing = [undo for undo in newest_first if undo and undo not in self._at_work]
             dropped = [call for call in self._waiting if call.phrase not in undoing]
             self._waiting.clear()
+            self._again.clear()
             self._undoing = deque(call for p in undoing if (call := self._config.get(p)))
             self._is_stopped = True
             self._changed.notify_all()

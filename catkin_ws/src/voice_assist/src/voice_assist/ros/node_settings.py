@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Final
 
 import rospy
@@ -19,6 +19,7 @@ from voice_assist.config import (
     load_voice_config,
     voice_config,
 )
+from voice_assist.config.profile import ProfileConfig
 
 OPENED: Final = "~opened_microphone"  # parameter: name of the one that was opened
 PROFILE: Final = "~profile"  # parameter: the one in use
@@ -27,6 +28,9 @@ HAS_GATE: Final = "~has_talk_gate"  # parameter: true once a pedal was heard tha
 OWN: Final = frozenset(  # of parameters that the node itself sets
     key.removeprefix("~") for key in (OPENED, PROFILE, PRECISION, HAS_GATE)
 )
+# Parameter beside the node's own, which are settings to a replay: SHA-256 of the profile in use, ""
+# where the launch asked for it.
+NOTED: Final = "noted_profile"
 
 
 def node_settings() -> VoiceConfig:
@@ -40,6 +44,21 @@ def node_settings() -> VoiceConfig:
     if config.audio.source == "wav":
         check_sound(config.audio.wav.path)
     return config
+
+
+def keep_profile(profile: ProfileConfig, digest: str) -> None:
+    """Note which profile is in use, so that a replay uses no other; name one that was changed.
+
+    Args:
+        profile: Of `node_settings`.
+        digest: SHA-256 of what it hears with.
+    """
+    before = rospy.get_param(NOTED, "") if is_restart() else ""
+    if before and digest != before:
+        words = "profile %r was changed since it was loaded: %.12s is in use from now on, not %.12s"
+        rospy.logerr(words, profile.name, digest, before)
+    rospy.set_param(NOTED, "" if profile.sha256 else digest)  # first: PROFILE is no wish then
+    rospy.set_param(PROFILE, asdict(replace(profile, sha256=digest)))
 
 
 def _given() -> VoiceConfig:
@@ -57,9 +76,13 @@ def _as_before(config: VoiceConfig) -> VoiceConfig:
     """With the microphone of the session, where the node was started again after a crash.
 
     Only the whole name counts, as it did before the crash: it may be a part of another's name.
+    A profile may have been learned anew since, unless the launch asked for one by its SHA-256.
     """
-    opened = rospy.get_param(OPENED, "") if is_restart() else ""
-    if not opened:
+    if not is_restart():
+        return config
+    if config.profile.sha256 == rospy.get_param(NOTED, ""):
+        config = replace(config, profile=replace(config.profile, sha256=""))
+    if not (opened := rospy.get_param(OPENED, "")):
         return config
     kept = {**vars(config.audio.microphone), "device": str(opened)}
     microphone = KeptMicrophoneConfig(**kept)

@@ -7,7 +7,6 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import asdict, replace
 from functools import partial
 from queue import Empty, Full, Queue
 
@@ -35,7 +34,7 @@ from voice_assist.profile.profile import facts_of
 from voice_assist.ros.believed import Believed
 from voice_assist.ros.diagnostics import VoiceDiagnostics, VoiceHealth
 from voice_assist.ros.microphone_service import MicrophoneService
-from voice_assist.ros.node_settings import PRECISION, PROFILE, node_settings
+from voice_assist.ros.node_settings import PRECISION, keep_profile, node_settings
 from voice_assist.ros.other_messages.audio_data_source import AudioDataSource
 from voice_assist.ros.priority import hear_first
 from voice_assist.ros.publishers import Publishers
@@ -92,8 +91,7 @@ class VoiceNode:
         facts = {"model": recognizer.name, "model_sha256": recognizer.model_hash}
         if of_profile := facts_of(recognizer):  # pinned, so that a replay uses the same
             facts |= of_profile
-            pinned = replace(config.profile, sha256=of_profile["profile_sha256"])
-            rospy.set_param(PROFILE, asdict(pinned))
+            keep_profile(config.profile, of_profile["profile_sha256"])
             rospy.loginfo("profile %(profile)s %(profile_sha256).12s", of_profile)
         self._precision = precision_of(config)
         rospy.set_param(PRECISION, self._precision)

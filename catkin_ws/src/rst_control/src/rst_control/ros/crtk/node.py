@@ -46,7 +46,11 @@ ANSWER_WITHIN = 2.0  # [s] for the controller's service to be there, and to answ
 PERIOD = 0.05  # [s] between two looks at the state
 ENDS = state_command("disable").command  # waits on, whatever stops the robot after it
 DROPPED = "dropped, since a command that stops the robot came after it"
+MAYBE_OLD = (
+    "refused; it is latched and may be from before this connection: give it again, or a stamp"
+)
 STOPPED_AGAIN = "undone by a stop, since a command that stops the robot came after it"
+NEW = 1.0  # [s] age up to which a stamp shows that a latched command is new
 AGAIN = 1.0  # [s] after which an unchanged state is sent anew
 
 
@@ -66,6 +70,7 @@ class CrtkNode:
         self._published: Repeated[OperatingState] = Repeated(AGAIN)
         self._commands: Queue[tuple[str, int]] = Queue(WAITING)  # and the brakes before
         self._brakes = 0  # commands so far that stop the robot
+        self._newest: dict[str, object] = {}  # by client, header of its newest connection
         latched = {"queue_size": 10, "latch": True}
         self._operating_state = rospy.Publisher(
             f"{arm}/operating_state", operating_state_message, **latched
@@ -112,14 +117,29 @@ class CrtkNode:
                 self._warn(f"{command}: {DROPPED}")
 
     def _on_command(self, message: StringStamped) -> None:
-        follows = state_command(message.string)
+        follows, may_be_old = state_command(message.string), self._may_be_old(message)
         if follows.refusal:
             self._warn(follows.refusal)
+        elif may_be_old and not follows.brakes:
+            self._warn(f"{message.string}: {MAYBE_OLD}")
         elif follows.command:
             try:
                 self._commands.put_nowait((follows.command, self._brakes))
             except Full:
                 self._warn(f"{message.string}: refused; {WAITING} commands wait already")
+
+    def _may_be_old(self, message: StringStamped) -> bool:
+        """Whether it may be of any age: the first of a connection, without a stamp, and latched.
+
+        A publisher that latches sends its newest command to each new connection, as where this node
+        was started again. A person may have stopped the robot since.
+        """
+        header = getattr(message, "_connection_header", None) or {}
+        name = header.get("callerid", "")
+        is_first = self._newest.get(name) is not header
+        self._newest[name] = header
+        is_new = abs(rospy.get_time() - message.header.stamp.to_sec()) <= NEW
+        return is_first and header.get("latching") == "1" and not is_new
 
     def _on_joints(self, message: JointState) -> None:
         now = time.monotonic()

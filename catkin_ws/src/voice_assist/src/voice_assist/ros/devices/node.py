@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Collection
+import time
+from collections.abc import Callable, Collection, Sequence
+from functools import partial
 from typing import Final
 
 import rosgraph
@@ -15,6 +17,7 @@ from std_msgs.msg import String
 from rst_control.msg import Event
 from typed_config import ConfigError, load_config
 from typed_config.errors import Missing
+from typed_config.ros.connections import stay_registered
 from typed_config.ros.launch_settings import is_restart, launch_settings
 from typed_config.ros.service_calls import never
 from typed_config.ros.starting import starting
@@ -30,13 +33,15 @@ from voice_assist.devices.calls import CallResult, DeviceCalls, result_words
 from voice_assist.errors import CommandsError
 from voice_assist.msg import DeviceCall, Utterance
 from voice_assist.ros.believed import Believed
-from voice_assist.ros.devices.targets import Target, make_target
+from voice_assist.ros.devices.targets import Target, cancel_left, make_target
 from voice_assist.text.spoken_reply import spoken_reply
 
 VOICE = "voice_assist"  # node whose parameters hold the spoken commands
 IDLE = 0.2  # [s] between checks whether ROS ends
 SAY_AGAIN = 10.0  # [s] between warnings that nothing is kept
+HEARD_AFTER = 1.0  # [s] since the start, until those who show and record results are connected
 TO_UNDO: Final = "to_undo"  # private parameter: phrases of the calls that a stop has to undo
+GOAL: Final = "goal"  # private parameter: phrase and goal's id of the action that a stop cancels
 
 
 class DevicesNode:
@@ -47,6 +52,7 @@ class DevicesNode:
         commands: All that can be said.
         to_undo: Phrases of the calls that a stop had to undo where this node crashed. They are
             undone at once, as a stop may have come since.
+        left: Phrase and goal's id of the action that was at work there. It is cancelled before.
 
     Raises:
         CommandsError: A type is not there, or arguments do not fit it.
@@ -54,13 +60,18 @@ class DevicesNode:
     """
 
     def __init__(
-        self, config: DevicesConfig, commands: CommandsConfig, to_undo: Collection[str] = ()
+        self,
+        config: DevicesConfig,
+        commands: CommandsConfig,
+        to_undo: Collection[str] = (),
+        left: Sequence[str] = (),
     ) -> None:
-        self._phrases = commands.phrases
+        self._config, self._phrases, self._left = config, commands.phrases, left
+        self._heard_at = time.monotonic() + HEARD_AFTER
         self._targets: dict[str, Target] = {}
         for index, call in enumerate(config.calls):
             try:
-                self._targets[call.phrase] = make_target(call)
+                self._targets[call.phrase] = make_target(call, partial(self._keep_goal, call))
             except CommandsError as error:
                 raise error.under(f"devices.calls[{index}]") from None
         self._calls = DeviceCalls(config)
@@ -77,7 +88,6 @@ class DevicesNode:
 
     def run(self) -> None:
         """Make calls until ROS shuts down; this thread makes none, so that it is never silent."""
-        threading.Thread(target=self._make_calls, name="calls", daemon=True).start()
         threading.Thread(target=self._undo, name="undo", daemon=True).start()
         while not rospy.is_shutdown():
             self._known.publish_status()
@@ -93,19 +103,32 @@ class DevicesNode:
     def _keep(self) -> None:
         """Let the master keep what a stop has to undo, for a start after a crash."""
         phrases = self._calls.to_undo()
-        if phrases == self._kept:
-            return
-        name = rospy.resolve_name(f"~{TO_UNDO}")
-        try:
-            ask(rosgraph.get_master_uri(), "setParam", rospy.get_name(), name, phrases)
-        except FAILURES as error:
-            words = "not kept for a restart: what a stop undoes (%s)"
-            rospy.logwarn_throttle(SAY_AGAIN, words, error)
-        else:
+        if phrases != self._kept and _set_parameter(TO_UNDO, phrases):
             self._kept = phrases
+
+    def _keep_goal(self, call: DeviceCallConfig, goal_id: str) -> None:
+        """Let the master keep the goal of an action; "": it has ended.
+
+        No stop cancels what undoes calls.
+        """
+        if call.phrase not in {one.on_stop for one in self._config.calls}:
+            _set_parameter(GOAL, [call.phrase, goal_id] if goal_id else [])
+
+    def _cancel_left(self) -> None:
+        """Cancel the action that was at work where this node crashed."""
+        try:
+            phrase, goal_id = self._left
+            if (call := self._config.get(phrase)) is not None:
+                self._report(cancel_left(call, goal_id))
+        except Exception as error:  # calls are undone all the same
+            rospy.logerr("the action at work is not cancelled: %r", error)
+        _set_parameter(GOAL, [])
 
     def _undo(self) -> None:
         """Make what undoes calls at a stop; a thread of its own, as a call at work may hang."""
+        if self._left:
+            self._cancel_left()
+        threading.Thread(target=self._make_calls, name="calls", daemon=True).start()
         while not rospy.is_shutdown():
             if (call := self._calls.next_undoing(IDLE)) is not None:
                 self._make(call, never)
@@ -141,9 +164,29 @@ class DevicesNode:
             message=result.words,
         )
         message.header.stamp = rospy.Time.now()
+        if (early := self._heard_at - time.monotonic()) > 0.0:
+            timer = threading.Timer(early, self._publish, (message, words))
+            timer.daemon = True
+            timer.start()
+        else:
+            self._publish(message, words)
+
+    def _publish(self, message: DeviceCall, words: str) -> None:
         self._result.publish(message)
         if spoken := spoken_reply(words, self._phrases):
             self._say.publish(String(spoken))
+
+
+def _set_parameter(key: str, value: list[str]) -> bool:
+    """Let the master keep something for a start after a crash; gives whether it does."""
+    name = rospy.resolve_name(f"~{key}")
+    try:
+        ask(rosgraph.get_master_uri(), "setParam", rospy.get_name(), name, value)
+    except FAILURES as error:
+        words = "not kept for a restart: what a stop undoes and cancels (%s)"
+        rospy.logwarn_throttle(SAY_AGAIN, words, error)
+        return False
+    return True
 
 
 def spoken_commands() -> CommandsConfig:
@@ -162,9 +205,11 @@ def spoken_commands() -> CommandsConfig:
 def main() -> None:
     """Run the devices node."""
     with starting("devices", __doc__, needs_clock=False):
-        settings = launch_settings(own=(TO_UNDO,))
+        settings = launch_settings(own=(TO_UNDO, GOAL))
         config = devices_config({"calls": settings.get("calls", [])})
         commands = spoken_commands()
         require_harmless(config, commands)
-        node = DevicesNode(config, commands, settings.get(TO_UNDO, []) if is_restart() else [])
+        left = settings if is_restart() else {}
+        node = DevicesNode(config, commands, left.get(TO_UNDO, []), left.get(GOAL, []))
+    stay_registered()
     node.run()

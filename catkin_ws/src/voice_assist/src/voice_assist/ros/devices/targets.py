@@ -25,6 +25,7 @@ ANSWER_FIELDS: Final = ("success", "accepted")  # of a response that may say no
 MAY_COME: Final = "; it may still be carried out"  # a request that was sent and not answered
 NOT_BEGUN: Final = (GoalStatus.REJECTED, GoalStatus.RECALLED)  # goals without any effect
 STEP: Final = 0.05  # [s] between looks whether a stop came
+CANCEL_WITHIN: Final = 2.0  # [s] for a device to listen, where an action of before is cancelled
 
 
 class Target(Protocol):
@@ -39,17 +40,35 @@ class Target(Protocol):
         ...
 
 
-def make_target(config: DeviceCallConfig) -> Target:
+def make_target(
+    config: DeviceCallConfig, keep_goal: Callable[[str], None] = lambda _: None
+) -> Target:
     """What a call of the settings goes to.
+
+    Args:
+        config: The call.
+        keep_goal: Is given the id of an action's goal before it is sent, and "" when it has ended.
 
     Raises:
         CommandsError: There is no such type, or the arguments do not fit it.
     """
     try:
+        if config.kind == "action":
+            return _Action(config, keep_goal)
         return _KINDS[config.kind](config)
     except genpy.MessageException as error:
         words = f"arguments that fit {config.type}: {error}"
         raise CommandsError("arguments", config.arguments, words) from None
+
+
+def cancel_left(config: DeviceCallConfig, goal_id: str) -> CallResult:
+    """Cancel a goal of an earlier process, once its device listens."""
+    topic = _publisher(f"{config.target}/cancel", GoalID)
+    is_heard = _wait(topic, CANCEL_WITHIN, never)
+    if is_heard:
+        topic.publish(GoalID(id=goal_id))
+    end = "cancelled" if is_heard else f"nobody serves {config.target} to cancel it"
+    return CallResult(config, False, f"the devices node ended meanwhile; {end}")
 
 
 def _filled(kind: type, values: dict[str, Any]) -> Any:
@@ -97,8 +116,8 @@ class _Topic:
 class _Action:
     """A goal, its result, and its end where it takes too long; by the topics of actionlib."""
 
-    def __init__(self, config: DeviceCallConfig) -> None:
-        self._config = config
+    def __init__(self, config: DeviceCallConfig, keep_goal: Callable[[str], None]) -> None:
+        self._config, self._keep_goal = config, keep_goal
         self._new_id = GoalIDGenerator().generate_ID  # unlike those of an earlier process
         self._results: Queue[Any] = Queue()
         goal = message_class(f"{config.type}ActionGoal")
@@ -113,12 +132,19 @@ class _Action:
         )
 
     def call(self, is_stopped: Callable[[], bool] = never) -> CallResult:
+        goal_id = self._new_id()
+        self._keep_goal(goal_id.id)
+        result = self._carry_out(goal_id, is_stopped)
+        self._keep_goal("")
+        return result
+
+    def _carry_out(self, goal_id: GoalID, is_stopped: Callable[[], bool]) -> CallResult:
         end = time.monotonic() + self._config.within
         if not _wait(self._topic, self._config.within, is_stopped):
             nobody = f"nobody serves {self._config.target}"
             return CallResult(self._config, False, DROPPED if is_stopped() else nobody, False)
-        goal_id = self._goal.goal_id = self._new_id()
-        self._goal.header.stamp = goal_id.stamp
+        goal_id.stamp = self._goal.header.stamp = rospy.Time.now()
+        self._goal.goal_id = goal_id
         self._topic.publish(self._goal)
         while (left := end - time.monotonic()) > 0.0 and not is_stopped():
             try:
@@ -129,7 +155,7 @@ class _Action:
                 status, words = result.status.status, result.status.text
                 is_done = status == GoalStatus.SUCCEEDED
                 return CallResult(self._config, is_done, words, status not in NOT_BEGUN)
-        self._cancel.publish(goal_id)
+        self._cancel.publish(GoalID(id=goal_id.id))  # its stamp would cancel all goals before it
         why = "a stop came" if is_stopped() else f"no result within {self._config.within:g} s"
         return CallResult(self._config, False, f"{why}; cancelled")
 
@@ -137,7 +163,6 @@ class _Action:
 _KINDS: Mapping[str, Callable[[DeviceCallConfig], Target]] = {
     "service": _Service,
     "topic": _Topic,
-    "action": _Action,
 }
 _publishers: dict[tuple[str, type], rospy.Publisher] = {}
 

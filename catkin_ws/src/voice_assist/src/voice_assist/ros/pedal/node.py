@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The pedal node: commands, talk gate and dead-man, from sensor_msgs/Joy or from a USB device.
 
-Its stop is a supplementary stop as any other: it goes by this process and by the network.
+Its stop is a supplementary stop as any other: it goes by this process and by the network, on the
+topic of stops and by the controller's service.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from sensor_msgs.msg import Joy
 from std_msgs.msg import Bool, Empty
 
-from typed_config.ros.connections import is_heard, open_callers
+from typed_config.ros.connections import is_heard, open_callers, open_listeners, stay_registered
 from typed_config.ros.launch_settings import launch_settings
 from typed_config.ros.starting import starting
 from voice_assist.audio.capture.stamp_check import MAX_AHEAD
@@ -144,21 +145,36 @@ class PedalNode:
         """Act, then say so; with a reason why not, only what stops the robot."""
         for action in actions:
             if not isinstance(action, Send):
-                self._publish_stop()
+                self._send_stop()
                 rospy.logwarn("pedal: %s; the robot is stopped", action.why)
                 continue
             words = action.command, action.input
-            if why_not and action.command != STOP:
-                rospy.logwarn("pedal: %s, by %s, is dropped: %s", *words, why_not)
-                continue
             if action.command == STOP:
-                self._publish_stop()
-            self._client.call(action.command, may_repeat=action.command == STOP)
+                self._send_stop()
+            elif why := why_not or self._deaf_controller():
+                rospy.logwarn("pedal: %s, by %s, is dropped: %s", *words, why)
+                continue
+            else:
+                self._client.call(action.command, may_repeat=False)
             rospy.loginfo("pedal: %s, by %s", *words)
 
-    def _publish_stop(self) -> None:
+    def _send_stop(self) -> None:
+        """By the topic, and by the service, which also reaches a controller of a new master."""
         self._client.forget()
         self._stop.publish(Empty())
+        self._client.call(STOP, may_repeat=True)
+
+    def _deaf_controller(self) -> str:
+        """Why dead-man and gate are not known where the robot is moved; empty: they are, or none.
+
+        The service of a controller may be there although it is not connected.
+        """
+        if not (self._pedals.has_dead_man or self._pedals.has_gate):
+            return ""
+        names = open_listeners(self._dead_man)
+        if any(self._known.is_believed("controller", name) for name in names):
+            return ""
+        return f"the controller does not listen to {DEAD_MAN}"
 
     def _check(self) -> None:
         with self._lock:
@@ -191,11 +207,11 @@ class PedalNode:
         """Level of the pedal's diagnostics, and its words."""
         callers = open_callers(self._joy) if self._joy is not None else set()
         is_connected = any(self._known.is_believed("joy", name) for name in callers)
-        if self._trouble == NOT_FOUND and is_connected:
-            return DiagnosticStatus.OK, "connected, nothing pressed yet"  # it sends changes only
-        trouble = self._trouble or self._late
-        level = DiagnosticStatus.ERROR if trouble else DiagnosticStatus.OK
-        return level, trouble or "there"
+        is_quiet = self._trouble == NOT_FOUND and is_connected  # it sends changes only
+        trouble = "" if is_quiet else self._trouble or self._late
+        if trouble := trouble or self._deaf_controller():
+            return DiagnosticStatus.ERROR, trouble
+        return DiagnosticStatus.OK, "connected, nothing pressed yet" if is_quiet else "there"
 
     def _publish_diagnostics(self) -> None:
         with self._lock:
@@ -236,4 +252,5 @@ def main() -> None:
         config = pedal_config({key: given[key] for key in keys if key in given})
         require_pedal_commands(config)
         node = PedalNode(config)
+    stay_registered()
     node.run()
