@@ -40,7 +40,7 @@ def main(argv: Sequence[str]) -> int:
     (part,) = chosen.values()
     console, key = Console(), _decisions(part)
     measure = kept(part.file, part.measure)
-    figures = run(part.file, measure, console, part.rooms, key, _is_of_other_code)
+    figures = run(part.file, measure, console, part.rooms, key, _is_of_other_code, part.bench)
     if missed := sum(f.is_met is False for f in figures):
         console.print(f"[yellow]{missed} targets missed; they are marked above.[/yellow]")
     if PLACE == RESULTS:

@@ -139,7 +139,7 @@ _SAFETY = Area(
             "safety.network",
             "Two hosts and a bad network",
             "safety.network.suite",
-            code.SYSTEM,
+            code.TWO_HOSTS,
             SYNTHETIC,
             (r": trials$", "jaws, max", "rest, measured"),
         ),
@@ -175,8 +175,11 @@ _HEARING = Area(
     "The whole streaming pipeline. Synthetic voices are of engines or styles that training never "
     'used. **Of the commands only "stop" is measured on people.** Checkpoint and thresholds were '
     "chosen on parts of these sets, which flatters them a little. Times count from the end of the "
-    "word, below 0 from before it. They include the processor's time. The networks' own figures "
-    "are in their cards in `catkin_ws/src/voice_assist/models`.",
+    "word, below 0 from before it. They include the processor's time. A word ends with its last "
+    "10 ms that are within 35 dB of the loudest and 10 dB over the background of the recording. "
+    "Where a third of the recording is within 10 dB of its quietest 10 ms, the background is the "
+    "median of that part. Elsewhere it is the quietest 10 ms. The networks' own figures are in "
+    "their cards in `catkin_ws/src/voice_assist/models`.",
     (
         Part(
             "voice.trials",
@@ -281,10 +284,10 @@ _HEARING = Area(
 
 _PAPER = Area(
     "From speech to motion",
-    "The experiment of the paper in the whole running system. Times count from the last audible "
-    "sound. Ours are synthetic voices on the processor; the paper's are people, on an RTX A6000. "
-    "Training had the accents of the non-native voices, in other variants of espeak-ng's voices. "
-    "Accents that it never had are in `voice.trials` and `voice.foreign`.",
+    "The experiment of the paper in the whole running system. Times count from the end of the "
+    "word, as under Hearing. Ours are synthetic voices on the processor; the paper's are "
+    "people, on an RTX A6000. Training had the accents of the non-native voices, in other variants "
+    "of espeak-ng's voices. Accents that it never had are in `voice.trials` and `voice.foreign`.",
     (
         Part(
             "paper",
@@ -295,6 +298,7 @@ _PAPER = Area(
             command="make paper INPUT=voice,pedal",
             details=(r"p95$", "median$"),
             decides="motion",
+            module="paper.__main__",
         ),
     ),
 )

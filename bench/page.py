@@ -24,29 +24,37 @@ BEGIN, END = "<!-- figures: by `make figures` -->", "<!-- end of figures -->"
 NOTHING = "-"
 STOLEN = 0.005  # share of the processors that a host may take without a word
 FEW = "met, few trials"  # the bound with 95 % does not reach the target
+UNBOUND = "met, no bound"  # a share or a rate that lacks it
 SHARES = ("of all", "of commands", "of clips", "of sounds", "of words", "right")  # as older results
+UNSAID = re.compile("per hour$|: trusted$|within twice")  # shares and rates of no unit, as those
 LARGE, SMALL = 1e4, 1e-3  # from and below which a value is not written with four digits
 HEAD = """# Measured
 
 Made by `make figures` from `bench/results`. Do not edit it. Each table names the command that
 measures it. Bounds hold with 95 %. Where the trials of each voice are counted apart, the bound is
 the wider of the exact one and that of drawing the voices anew. "Met, few trials": the figure
-reaches its target, its bound does not. "None" in the column of targets: reported without one. Where
-the code that decides a figure was changed after it was measured, the table says so. Older results
-lack some fields: "-".
+reaches its target, its bound does not. "Met, no bound": it does, but is a share or a rate whose
+bound was never computed, as in older results. "None" in the column of targets: reported without
+one. Where the code that decides a figure, or its bench, was changed after it was measured, the
+table says so. Older results lack some fields: "-".
 
 What is of 28 and 30 November 2026 was measured on machines a quarter to a half slower than others.
 """
-SAME, ALIKE = "the same decisions", "the same motions"
-TIMES = ("us", "ms", "s", "% of a core")  # units of what code that decides the same may change
+SAME, ALIKE, BENCH = "the same decisions", "the same motions", "another bench"
+TIMES = ("us", "ms", "s", "% of a core")  # units of what hearing that decides the same may change
+TIMED = re.compile(  # figures of the processor's time, whatever their unit; others are simulated
+    "real[- ]time|(processor|planning) time|^control tick|^gate: time|^IK .*(time|within)"
+)
 WHO = {HUMAN: HUMAN, SYNTHETIC: SYNTHETIC, "people:": HUMAN}  # by words in a figure's name
 AGES = {
     None: "**Which code was measured is not recorded.**",
     False: "**The code was changed since.**",
     SAME: "Hearing was changed since. On 72 fixed clips, 24 more in motion, it decides the same; "
     "**its times are older.**",
-    ALIKE: "The controller was changed since. In nine fixed sessions of 12 s it moves the same.",
-    True: "The code is as measured.",
+    ALIKE: "The controller was changed since. In nine fixed sessions of 12 s it moves the same; "
+    "**its processor times are older.**",
+    BENCH: "**The bench was changed since.** The code that it measures does the same.",
+    True: "The product's code is as measured.",
 }
 
 
@@ -59,11 +67,17 @@ class Result:
     code: str | None  # None: older than the record of it
     decisions: str  # key of what was decided on fixed clips; empty: not recorded
     beside: str  # digest of its code other than that of hearing
+    bench: str  # digest of the code that measured it; empty: not recorded
     figures: tuple[Figure, ...]
 
     @cached_property  # asked for each figure
     def age(self) -> bool | str | None:
         """Which of `AGES` holds."""
+        is_of_other_bench = self.bench not in ("", self.part.bench)
+        return BENCH if self._age_of_code and is_of_other_bench else self._age_of_code
+
+    @cached_property
+    def _age_of_code(self) -> bool | str | None:
         if self.code is None:
             return None
         now = identity(self.part.rooms)
@@ -76,8 +90,9 @@ class Result:
 
     def age_of(self, figure: Figure) -> bool | str | None:
         """The same for one of its figures."""
-        is_older = self.age == SAME and figure.unit in TIMES
-        return False if is_older else self.age
+        code = self._age_of_code
+        is_timed = bool(TIMED.search(figure.name)) or (code == SAME and figure.unit in TIMES)
+        return False if is_timed and code in (SAME, ALIKE) else self.age
 
     def shown(self) -> list[Figure]:
         """Figures for the page."""
@@ -95,8 +110,8 @@ def load(part: Part, folder: Path = RESULTS) -> Result | None:
     if not path.is_file():
         return None
     data = json.loads(path.read_text(encoding="utf-8"))
-    keys = data.get("code"), data.get("decisions", ""), data.get("beside_hearing", "")
-    return Result(part, data["machine"], *keys, tuple(figures.read(path)))
+    keys = data.get("decisions", ""), data.get("beside_hearing", ""), data.get("bench", "")
+    return Result(part, data["machine"], data.get("code"), *keys, tuple(figures.read(path)))
 
 
 def text(folder: Path = RESULTS) -> str:
@@ -114,13 +129,15 @@ def _missed(found: Sequence[Result]) -> Iterator[str]:
     verdicts = [figure.is_met for _, figure in now]
     met, missed, none = (verdicts.count(verdict) for verdict in (True, False, None))
     few = met - sum(figure.is_shown for _, figure in now)
-    single = sum(f.is_met is True and (f.upper if f.at_most else f.lower) is None for _, f in now)
+    bare = [_is_share(f) for _, f in now if f.is_met and f.bound is None]
     ages = Counter(result.age_of(f) for result, f in now if f.is_met is not None)
     yield f"{met} targets are met and {missed} missed. {none} figures have none.\n"
     yield f"{few} of those met are met by the figure, but not by its bound: too few trials."
-    yield f"{single} of those met have no bound: they are single values, maxima or counts."
+    yield f"{sum(bare)} of those met are shares or rates without a bound."
+    yield f"{len(bare) - sum(bare)} more are single values, maxima or counts, which have none."
     yield f"Of these verdicts {ages[True]} are of the present code, {ages[SAME] + ages[ALIKE]} of"
     yield "changed code that does the same where that was tried,"
+    yield f"{ages[BENCH]} of a bench that was changed since."
     yield f"{ages[False]} of code that was changed since. Of {ages[None]} it is not recorded.\n"
     yield "## Missed\n"
     rows = [
@@ -190,7 +207,7 @@ def _front_row(row: ReadmeRow, folder: Path) -> list[str]:
     whose = result.voices(figure)
     words = f"{row.words} ({whose})" if whose else row.words
     target = _target(figure).replace("at most", "≤").replace("at least", "≥")
-    counts = re.match(r"\d+ of \d+|\d+ in [\d.]+ h", figure.note)
+    counts = re.match(r"\d+ of \d+|\d+ in [\d.]+ h|n=\d+", figure.note)
     of = f" ({counts[0]})" if counts else ""
     return [words, f"{float(value.replace(',', '')):.3g} {unit}{of}", target, _verdict(figure)]
 
@@ -227,7 +244,15 @@ def _target(figure: Figure) -> str:
 def _verdict(figure: Figure) -> str:
     if figure.is_met and not figure.is_shown:
         return FEW
+    if figure.is_met and figure.bound is None and _is_share(figure):
+        return UNBOUND
     return {True: "met", False: "**missed**", None: ""}[figure.is_met]
+
+
+def _is_share(figure: Figure) -> bool:
+    """Whether it is a share of trials or a rate, which a bound belongs to; a maximum is none."""
+    has_unit = figure.unit in (*SHARES, "%", "per h") and not figure.name.endswith("max")
+    return has_unit or bool(UNSAID.search(figure.name))
 
 
 def _conditions(figure: Figure) -> str:

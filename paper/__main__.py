@@ -42,7 +42,7 @@ from session_log.errors import SessionLogError
 from support.figures import RESULTS, ROOT, SEVERAL, decided_now, keys, machine, show, write
 from support.interrupt import end_as_by_ctrl_c
 from support.process_groups import STOP_TIME, end_group, start_group
-from support.product_code import PAPER, identity
+from support.product_code import PAPER, bench_identity, identity
 from typed_config import ConfigError, count_option, load_file
 
 VOICES = "4"
@@ -215,12 +215,13 @@ def _conclude(
     paper = {entry.command: entry.latency for entry in theirs.latency}
     console.rule()
     listed = figures(heard, paper, theirs.hardware) if heard else []
-    listed += comparison({VOICE: [o for r in heard for o in r.repetitions], PEDAL: pressed})
+    listed += comparison({VOICE: [r.repetitions for r in heard], PEDAL: [pressed]})
     show(listed, console)
     code = keys(PAPER, decided_now("motion"))
     played = [out / r.voice.name for r in heard] + ([out / PEDAL] if pressed else [])
     if {code_of(folder) for folder in played} != {code["code"]}:
         code = {"code": SEVERAL}  # what was decided is of the code of each session
+    code["bench"] = bench_identity("paper.__main__")
     facts = {**code, "voices": [asdict(result.voice) for result in heard]}
     for path in [out / RESULT, *([RESULTS / result] if result else [])]:
         write(path, listed, machine(), **facts)

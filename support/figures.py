@@ -30,6 +30,7 @@ from voice_assist.pipeline.hang_detection import stolen
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "bench" / "results"
 DRAWS = 10_000  # of groups, for a bound
+LOW, HIGH = 0.05, 0.95  # quantiles of the draws that are bounds
 DECISIONS = RESULTS / "voice" / "decisions.json"  # see bench/voice/hearing/fingerprint.py
 FIXED_SESSIONS = RESULTS / "site" / "fixed_sessions.json"  # see bench/site/fixed_sessions.py
 SEVERAL = "several"  # in place of the code of a result whose pieces are of different code
@@ -57,8 +58,12 @@ class Figure:
     @property
     def is_shown(self) -> bool:
         """Whether the target is met by the bound too, so that more trials would hardly miss it."""
-        bound = self.upper if self.at_most else self.lower
-        return bool(self.is_met) and (bound is None or bool(self._reaches(bound)))
+        return bool(self.is_met) and (self.bound is None or bool(self._reaches(self.bound)))
+
+    @property
+    def bound(self) -> float | None:
+        """The bound that a target is held against; None: there is none."""
+        return self.upper if self.at_most else self.lower
 
     def _reaches(self, value: float) -> bool | None:
         if self.target is None:
@@ -92,26 +97,24 @@ def share(
     counts = f"{count} of {trials}{note and '; '}{note}"
     bound = (bounds.at_most if at_most else bounds.at_least)(count, trials)
     if len(groups) > 1:
-        bound = (max if at_most else min)(bound, over_groups(groups, at_most))
+        wider, q = (max, HIGH) if at_most else (min, LOW)
+        bound = wider(bound, over_groups(groups, q))
     low, high = (None, 100.0 * bound) if at_most else (100.0 * bound, None)
     value = 100.0 * count / trials
     return Figure(name, value, "%", target, at_most, counts, low, high, voices)
 
 
-def over_groups(groups: Sequence[tuple[int, int]], at_most: bool) -> float:
-    """Bound on a share whose trials come in groups, by drawing the groups anew (Efron 1979).
+def over_groups(groups: Sequence[tuple[float, int]], q: float) -> float:
+    """Bound on a share or a mean of trials in groups, by drawing the groups anew (Efron 1979).
 
     Args:
-        groups: Counts and trials of each.
-        at_most: Whether it is the upper bound.
-
-    Returns:
-        The share that 95 % of the draws do not pass.
+        groups: Counts and trials of each; of a mean, sums and trials.
+        q: Quantile of the draws.
     """
     counts, trials = np.array(groups, float).T
     drawn = np.random.default_rng(0).integers(len(counts), size=(DRAWS, len(counts)))
     shares = counts[drawn].sum(axis=1) / trials[drawn].sum(axis=1)
-    return float(np.quantile(shares, 0.95 if at_most else 0.05))
+    return float(np.quantile(shares, q))
 
 
 def rate(
@@ -158,7 +161,7 @@ def percentiles(
         upper = q.high if math.isfinite(q.high) else None  # too few values have none
         figure = Figure(f"{name} p{p}", q.value, unit, targets.get(p), note=n, upper=upper)
         found.append(figure)
-    return [*found, Figure(f"{name} max", float(np.max(values)), unit, targets.get(100))]
+    return [*found, Figure(f"{name} max", float(np.max(values)), unit, targets.get(100), note=n)]
 
 
 def machine() -> dict[str, str | float]:
@@ -188,6 +191,7 @@ def run(
     rooms: Sequence[str] = (),
     decisions: str = "",
     is_of_other_code: Callable[[], bool] = lambda: False,
+    bench: str = "",
 ) -> list[Figure]:
     """Measure, show and write one set of figures.
 
@@ -198,8 +202,9 @@ def run(
         rooms: Of the product, which they are figures of; see support/product_code.py.
         decisions: Key of what it decides on fixed clips; empty: these are no figures of that.
         is_of_other_code: Asked afterwards: whether kept pieces of other code were counted, too.
+        bench: Digest of the code that measures.
     """
-    where, code = machine(), keys(rooms, decisions)
+    where, code = machine(), {**keys(rooms, decisions), "bench": bench}
     console.rule(f"{name}: {where['cpu']}, {where['cores']} cores, load {where['load_at_start']}")
     before, began = _stolen(), time.monotonic()
     figures = measure()

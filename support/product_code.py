@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Digest of the product's code behind a figure, so that an older figure is marked by itself.
+"""Digests of the code behind a figure, so that an older figure is marked by itself.
 
-It is made of definitions, settings and networks. A file that moves, a comment or a docstring does
-not change it; a definition does. Where it differs from what a result holds, the result is older
-than the code it measures.
+One is of the product, one of the bench. They are made of definitions, settings and networks. A file
+that moves, a comment or a docstring does not change them; a definition does. Where one differs from
+what a result holds, the result is older than the code that it measures, or that measured it.
 """
 
 from __future__ import annotations
 
 import ast
 import hashlib
+import re
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -20,6 +21,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PACKAGES = ROOT / "catkin_ws" / "src"
 SETTINGS, NETWORKS = ".yaml", (".pt", ".npz")
 LENGTH = 16  # characters of a digest
+BENCH = re.compile(r"(bench|paper|support)(?!\.product_code)(\.\w+)+")  # what measures, by module
 
 
 def _rooms(package: str, *rooms: str) -> tuple[str, ...]:
@@ -48,7 +50,9 @@ KINOVA = (
     *URDF,
 )
 PLANT = (*SIMULATION, *KINOVA, "/launch/kinova_lab.yaml", "/launch/lab.yaml")
-SPEAKER = _rooms("voice_assist", "speaker", "speaker.yaml", "speaker.pt", "speaker_cohort.npz")
+SPEAKER = _rooms(
+    "voice_assist", "audio", "speaker", "speaker.yaml", "speaker.pt", "speaker_cohort.npz"
+)
 HEARING = _rooms(  # without a profile
     "voice_assist",
     *("assembly.py", "audio", "config", "intent", "networks.py", "pipeline"),
@@ -70,13 +74,15 @@ RECORDER = _rooms(  # what runs beside a robot; files are read later
 )
 RECORDING = _rooms("session_log", "mcap_file", "recording", "recorder.yaml")
 REPORT = (*RECORDING, *_rooms("session_log", "report", "report.yaml"))
-VOICE_NODE = _rooms("voice_assist", "ros")
+NODES = ("typed_config",)  # of all that run nodes: it reads their settings and starts them
+VOICE_NODE = (*NODES, *_rooms("voice_assist", "ros"))
 DISPLAY = _rooms("voice_assist", "display", "display.yaml")
-ROBOT_NODES = (*SIMULATION, *_rooms("rst_control", "host", "ros"))
+ROBOT_NODES = (*NODES, *SIMULATION, *_rooms("rst_control", "host", "ros"))
 SYSTEM = (
     *(*ROBOT_NODES, *HEARING, *VOICE_NODE, *RECORDER, *DISPLAY, *_rooms("session_log", "ros")),
     *_rooms("voice_assist", "alarms", "answers", "pedal", "alarms.yaml", "pedal.yaml"),
 )
+TWO_HOSTS = (*SYSTEM, "/launch/two_hosts.yaml")
 PAPER = (*SYSTEM, "/demo/overrides.yaml", "/demo/robot_overrides.yaml")
 SET_UP = tuple(
     f"/{file}" for file in ("docker/setup.sh", "docker/constraints.txt", "requirements.txt")
@@ -118,7 +124,37 @@ def _of_room(room: str) -> tuple[str, ...]:
     files = [place] if place.is_file() else sorted(place.rglob("*.py"))
     if not files:
         raise FileNotFoundError(f"{place}: no code")
-    return tuple(one for file in files for one in definitions(file.read_text(encoding="utf-8")))
+    return tuple(one for file in files for one in _of_file(file))
+
+
+@cache
+def _of_file(file: Path) -> tuple[str, ...]:
+    return definitions(file.read_text(encoding="utf-8"))
+
+
+def bench_identity(module: str) -> str:
+    """Digest of a module that measures, and of the modules beside the product that it uses."""
+    files, waiting = set[Path](), [module]
+    while waiting:
+        file = ROOT / f"{waiting.pop().replace('.', '/')}.py"
+        if file.is_file() and file not in files:
+            files.add(file)
+            waiting += _used(file)
+    return _digest("".join(sorted(one for file in files for one in _of_file(file))).encode())
+
+
+@cache
+def _used(file: Path) -> tuple[str, ...]:
+    """What a module imports or names, as that of another process, where it may be of a bench."""
+    found: list[str] = []
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found += [one.name for one in node.names]
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            found += [node.module, *(f"{node.module}.{one.name}" for one in node.names)]
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            found.append(node.value)
+    return tuple(name for name in found if BENCH.fullmatch(name))
 
 
 def definitions(text: str) -> tuple[str, ...]:

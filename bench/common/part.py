@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from support.figures import Figure
+from support.product_code import bench_identity
 
 SYNTHETIC, HUMAN = "synthetic", "human"
 MEASURED = "measured"  # figure that says on how much a result rests
@@ -33,6 +34,7 @@ class Part:
         moves: "set-points" or "velocities", where its motions are such as those of the fixed
             sessions that are led so: a controller that moves the same in them leaves its figures
             true.
+        module: That makes its result, where that is no module of a place.
     """
 
     name: str
@@ -45,11 +47,18 @@ class Part:
     last_in: str = ""
     decides: str = ""
     moves: str = ""
+    module: str = ""
 
     @property
     def file(self) -> str:
         """Its result below the folder of results, without the ending."""
         return self.name.replace(".", "/")
+
+    @property
+    def bench(self) -> str:
+        """Digest of the code that measures it; empty: its bench is gone."""
+        module = self.module or (self.place and f"bench.{self.place.partition(':')[0]}")
+        return bench_identity(module) if module else ""
 
     def measure(self) -> list[Figure]:
         """Measure it; imports what that needs, and nothing that other parts need."""

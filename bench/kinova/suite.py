@@ -231,10 +231,11 @@ def _ended(name: str, ended: Sequence[Ended]) -> list[Figure]:
     speeds = [e.speed * 1e3 for e in ended]
     note = f"({len(ended)} times, from {min(speeds):.1f} to {max(speeds):.1f} mm/s)"
     times, ways = [e.time * 1e3 for e in ended], [e.way * 1e3 for e in ended]
+    error = max(e.rcm_error for e in ended)
     return [
         Figure(f"{name}: time median", float(np.median(times)), "ms", note=note),
-        Figure(f"{name}: time max", max(times), "ms"),
+        Figure(f"{name}: time max", max(times), "ms", note=note),
         Figure(f"{name}: way median", float(np.median(ways)), "mm"),
-        Figure(f"{name}: way max", max(ways), "mm"),
-        Figure(f"{name}: RCM error max", max(e.rcm_error for e in ended) * 1e6, "um", 1000.0),
+        Figure(f"{name}: way max", max(ways), "mm", note=note),
+        Figure(f"{name}: RCM error max", error * 1e6, "um", 1000.0, note=note),
     ]

@@ -14,7 +14,7 @@ from rst_control.kinematics.configuration import Configuration
 from rst_control.kinematics.rcm import rcm_state
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.planner import Planner
-from support.figures import Figure
+from support.figures import Figure, share
 
 Array = NDArray[np.float64]
 
@@ -41,11 +41,11 @@ def measure(config: MotionConfig, count: int) -> list[Figure]:
         times[n] = time.perf_counter() - begin
         missing[n] = _missing(planner, result.q, pose)
     solved, quick = missing <= SOLVED, (missing <= SOLVED) & (times <= 0.010)
-    note = f"({int(solved.sum())} of {count} reachable poses, from home, without a seed)"
+    note = "reachable poses, from home, without a seed"
     p50, p99 = np.percentile(times, (50, 99))
     return [
-        Figure("IK solved to 1 um inside limits", 100 * solved.mean(), "%", 99.99, False, note),
-        Figure("IK solved within 10 ms", 100 * quick.mean(), "%", 99.95, False),
+        share("IK solved to 1 um inside limits", int(solved.sum()), count, 99.99, note=note),
+        share("IK solved within 10 ms", int(quick.sum()), count, 99.95),
         Figure("IK time median", p50 * 1e6, "us", 200.0),
         Figure("IK time p99", p99 * 1e6, "us"),
         Figure("IK time max", times.max() * 1e3, "ms"),

@@ -18,7 +18,7 @@ from bench.common.rig import Rig, with_tissue
 from bench.motion import tissue_laws
 from rst_control.config import MotionConfig, SimulationConfig
 from rst_control.planning.plan import PhaseKind
-from support.figures import Figure
+from support.figures import Figure, share
 
 Array = NDArray[np.float64]
 
@@ -163,16 +163,7 @@ def _first_figures(name: str, firsts: list[TensionChange]) -> list[Figure]:
 
 def _directions(pulls: list[TensionChange]) -> list[Figure]:
     right = sum((p.held > p.start) == (p.target > p.start) for p in pulls)
-    return [
-        Figure(
-            'tension: "pull more" more, "pull less" less',
-            100.0 * right / len(pulls),
-            "%",
-            100.0,
-            at_most=False,
-            note=f"({right} of {len(pulls)})",
-        )
-    ]
+    return [share('tension: "pull more" more, "pull less" less', right, len(pulls), 100.0)]
 
 
 def _randoms(

@@ -35,7 +35,7 @@ from rst_control.tissue.triangulation import pull_direction, triangulation
 from rst_control.trajectory.motion_profile import MotionBounds
 from rst_control.trajectory.path import Path
 from rst_control.types import ControllerMode, Measurement, PathState, State
-from support.figures import Figure
+from support.figures import Figure, share
 
 Array = NDArray[np.float64]
 
@@ -79,10 +79,10 @@ def measure(config: MotionConfig, count: int) -> list[Figure]:
     good = sum(not a.faults for a in attempts)
     kinds = Counter(fault.split(" ")[0] for a in attempts for fault in a.faults)
     named = ", ".join(f"{n} x {name}" for name, n in kinds.most_common())
-    note = f"({good} of {count} tissues; failures: {named or 'none'})"
+    note = f"tissues; failures: {named or 'none'}"
     times = [1e3 * a.time for a in attempts]
     return [
-        Figure("triangulated tissues", 100.0 * good / count, "%", 99.0, False, note),
+        share("triangulated tissues", good, count, 99.0, note=note),
         Figure("grasp choice, verified: processor time median", float(np.median(times)), "ms"),
         Figure(
             "grasp choice, verified: processor time p99",

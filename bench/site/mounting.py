@@ -30,7 +30,7 @@ from rst_control.kinematics.configuration import robot_joints
 from rst_control.kinematics.inverse_dynamics import InverseDynamics
 from rst_control.kinematics.mounting import GRAVITY
 from rst_control.tension.gravity_check import READINGS, RestTorques
-from support.figures import Figure
+from support.figures import Figure, share
 
 Array = NDArray[np.float64]
 TILTS: Final = (0, 30, 45, 90, 180)  # [deg]
@@ -97,12 +97,12 @@ def _tension(name: str, motion: MotionConfig) -> list[Figure]:
         bench.close()
     errors, sigmas, invalid = (np.array(row) for row in zip(*found, strict=True))
     is_trusted = invalid == ""
-    within = float(np.mean(np.abs(errors) <= 2.0 * sigmas))
-    note = f"({TRIALS} postures and ways, shaft leaning on the trocar)"
+    within = int(np.sum(np.abs(errors) <= 2.0 * sigmas))
+    note = "postures and ways, shaft leaning on the trocar"
     name = f"{name}: tension by torques"
     return [
-        Figure(f"{name}: within twice the stated sigma", within, "", 0.95, False, note),
-        Figure(f"{name}: trusted", float(np.mean(is_trusted)), ""),
+        share(f"{name}: within twice the stated sigma", within, TRIALS, 95.0, note=note),
+        share(f"{name}: trusted", int(is_trusted.sum()), TRIALS),
         Figure(
             f"{name}: where trusted, 95 % of errors below",
             float(np.quantile(np.abs(errors[is_trusted]), 0.95)),
@@ -117,8 +117,8 @@ def _tension(name: str, motion: MotionConfig) -> list[Figure]:
 def _right_setting(name: str, way: Array) -> Figure:
     config, rng = load_torque_tension(), np.random.default_rng(3)
     refused = sum(bool(_refusal(config, way, way, rng)) for _ in range(STARTS))
-    note = f"({STARTS} starts with the errors that torque_tension.yaml states)"
-    return Figure(f"{name}: starts refused at rest", 100.0 * refused / STARTS, "%", 2.0, note=note)
+    note = "starts with the errors that torque_tension.yaml states"
+    return share(f"{name}: starts refused at rest", refused, STARTS, 2.0, at_most=True, note=note)
 
 
 def _wrong_settings() -> list[Figure]:
@@ -130,7 +130,7 @@ def _wrong_settings() -> list[Figure]:
             refused += bool(_refusal(config, upright, way, rng))
         name = f"set upright, tilted {tilt} deg: starts refused at rest"
         target = 99.0 if tilt >= 15 else None  # the arm's own errors hide less
-        figures.append(Figure(name, 100.0 * refused / STARTS, "%", target, False))
+        figures.append(share(name, refused, STARTS, target))
     return figures
 
 

@@ -20,7 +20,7 @@ from rst_control.kinematics.ik_solver import IkResult
 from rst_control.kinematics.rcm import rcm_jacobian, rcm_offset, rcm_state
 from rst_control.kinematics.robot_model import load_robot
 from rst_control.planning.planner import Planner
-from support.figures import Figure
+from support.figures import Figure, share
 
 Array = NDArray[np.float64]
 FULL: Final = 3000  # poses
@@ -44,19 +44,12 @@ def measure() -> list[Figure]:
         result = planner.solver.search(pose, planner.trocar, home)
         times.append(time.perf_counter() - begin)
         solved.append(is_right(planner, result, pose))
-    quick = np.array(solved) & (np.array(times) <= QUICK)
-    share, quick_share = (100.0 * float(np.mean(which)) for which in (solved, quick))
-    note = f"({sum(solved)} of {POSES} reachable poses; 1 to 3 joints within 5 mrad of a limit)"
+    quick = int(np.sum(np.array(solved) & (np.array(times) <= QUICK)))
+    note = "reachable poses; 1 to 3 joints within 5 mrad of a limit"
     return [
         measured(POSES, "poses", FULL),
-        Figure("IK near joint limits: solved", share, "%", 99.9, False, note),
-        Figure(
-            "IK near joint limits: solved within 10 ms",
-            quick_share,
-            "%",
-            99.9,
-            False,
-        ),
+        share("IK near joint limits: solved", sum(solved), POSES, 99.9, note=note),
+        share("IK near joint limits: solved within 10 ms", quick, POSES, 99.9),
         Figure("IK near joint limits: time p99", float(np.percentile(times, 99)) * 1e3, "ms"),
     ]
 

@@ -37,7 +37,7 @@ from rst_control.config import CONFIG_FOLDER, PACKAGE, MotionConfig, load_simula
 from rst_control.config.plant import PlantConfig
 from rst_control.kinematics.configuration import planning_joints
 from rst_control.registration.trocar_following import TrocarFollowing
-from support.figures import ROOT, Figure
+from support.figures import ROOT, Figure, rate, share
 from typed_config import load_config, load_yaml, overlaid
 
 SECONDS: Final = float(os.environ.get("BENCH_PLANT_SECONDS", "3600"))  # in each plant
@@ -164,13 +164,10 @@ def figures_of(name: str, pieces: Sequence[Seen], is_fixed: bool) -> list[Figure
             setattr(seen, entry.name, getattr(seen, entry.name) + getattr(piece, entry.name))
     hours = seen.seconds / HOUR
     reasons = sorted(set(seen.needless))
-    note = f"({seen.seconds:.0f} s simulated"
     listed = shorten("; ".join(reasons), NOTE_LENGTH, placeholder=" ...")
-    words = f"{note}, {len(seen.needless)} stops{': ' if listed else ''}{listed})"
     stops = 0.0 if seen.seconds >= HOUR else None  # less shows nothing of an hour
     off = np.abs(seen.tension) if seen.tension else np.array([np.nan])
     rows = [
-        ("needless stops per hour", len(seen.needless) / hours, "", stops, words),
         ("RCM error p90", _quantile(seen.rcm, 0.90) * 1e3, "mm", None, ""),
         ("RCM error p99", _quantile(seen.rcm, 0.99) * 1e3, "mm", 0.5 if is_fixed else None, ""),
         ("RCM error max", max(seen.rcm) * 1e3, "mm", None, ""),
@@ -180,13 +177,15 @@ def figures_of(name: str, pieces: Sequence[Seen], is_fixed: bool) -> list[Figure
         ("force on the trocar, max", max(seen.force), "N", None, ""),
         ("stop way max", max(seen.stop_ways, default=np.nan) * 1e3, "mm", None, ""),
     ]
-    figures = [Figure(f"{name}: {what}", v, unit, goal, note=n) for what, v, unit, goal, n in rows]
-    figures = [figure for figure in figures if not np.isnan(figure.value)]  # nothing was seen of it
-    share = 100.0 * float(np.mean(seen.triangulated)) if seen.triangulated else float("nan")
-    failed = sorted({words.split(" ")[0] for words in seen.failures})
-    count = f"({len(seen.triangulated)} grasps{', failed: ' if failed else ''}{', '.join(failed)})"
-    return [*figures, Figure(f"{name}: triangulated", share, "%", None, False, count)]
+    figures = [rate(f"{name}: needless stops per hour", len(seen.needless), hours, stops, listed)]
+    for what, value, unit, goal, note in rows:
+        if not np.isnan(value):  # else nothing was seen of it
+            figures.append(Figure(f"{name}: {what}", value, unit, goal, note=note))
+    if grasps := len(seen.triangulated):
+        failed = ", ".join(sorted({words.split(" ")[0] for words in seen.failures}))
+        figures.append(share(f"{name}: triangulated", sum(seen.triangulated), grasps, note=failed))
+    return figures
 
 
-def _quantile(values: Sequence[float], share: float) -> float:
-    return float(np.quantile(values, share))
+def _quantile(values: Sequence[float], q: float) -> float:
+    return float(np.quantile(values, q))

@@ -33,7 +33,7 @@ from rst_control.trajectory.motion_profile import MotionProfile
 from rst_control.trajectory.path import Path
 from rst_control.types import Cause, PathState, Reason, Setpoint
 from support import product_code as code
-from support.figures import Figure
+from support.figures import Figure, share
 
 Array = NDArray[np.float64]
 FULL: Final = 200  # trials of each kind
@@ -90,21 +90,13 @@ def _figures(name: str, found: Sequence[Stopped]) -> list[Figure]:
     speeds, errors = [s.speed * 1e3 for s in found], [s.error * 1e3 for s in found]
     note = f"({len(found)} trials, from {min(speeds):.1f} to {max(speeds):.1f} mm/s)"
     tried = [s.way_back for s in found if s.way_back is not None]
-    back = 100.0 * sum(not words for words in tried) / len(tried)
-    refusals = sorted({words for words in tried if words})
+    refusals = "; ".join(sorted({words for words in tried if words}))[:200]
     beside = [s.beside for s in found if s.beside]
     return [
         Figure(f"{name}: shaft off the trocar, max", max(errors), "mm", 1.0, note=note),
         Figure(f"{name}: shaft off the trocar, p50", float(np.median(errors)), "mm"),
-        Figure(f"{name}: way of the tip, max", max(s.way for s in found) * 1e3, "mm"),
-        Figure(
-            f"{name}: goes on by voice",
-            back,
-            "%",
-            100.0,
-            at_most=False,
-            note=f"({len(tried)} tried{': ' if refusals else ''}{'; '.join(refusals)[:200]})",
-        ),
+        Figure(f"{name}: way of the tip, max", max(s.way for s in found) * 1e3, "mm", note=note),
+        share(f"{name}: goes on by voice", tried.count(""), len(tried), 100.0, note=refusals),
         Figure(
             f"{name}: bridge takes no course next",
             len(beside),
@@ -114,9 +106,9 @@ def _figures(name: str, found: Sequence[Stopped]) -> list[Figure]:
     ]
 
 
-def _trials(name: str, share: int) -> list[Stopped]:
+def _trials(name: str, number: int) -> list[Stopped]:
     found: list[Stopped] = []
-    rng = np.random.default_rng([share, *name.encode()])
+    rng = np.random.default_rng([number, *name.encode()])
     while len(found) < PIECE:
         with KinovaRig(kinova_motion()) as rig:
             rig.run(0.8)
@@ -213,8 +205,8 @@ class Drill:
 
     def _set_off(self, course: Course) -> float:
         """Be on the way, at a random place; returns the speed [m/s]."""
-        rig, share = self._rig, self._rng.uniform(0.3, 0.7)
-        while course.share < share:
+        rig, place = self._rig, self._rng.uniform(0.3, 0.7)
+        while course.share < place:
             rig.bridge.servo_jp(course(rig.now), rig.now)
             if fault := rig.bridge.fault(rig.now):
                 raise DoesNotSetOff(fault)

@@ -29,7 +29,7 @@ from bench.site.sensors import KINDS, LOWEST, Sensor, SensorFault, draw, healthy
 from rst_control.config import load_motion_config
 from rst_control.types import State
 from support import product_code as code
-from support.figures import Figure
+from support.figures import Figure, share
 from support.product_code import identity
 
 FULL: Final = 10_000  # situations
@@ -265,11 +265,9 @@ def _good(found: Sequence[TensionPeak], limit: float) -> list[Figure]:
     for is_usual in (True, False):
         peaks = [p for p in found if _is_usual(draw_situation(p.number)) == is_usual]
         which = "as stiff as stated, to a fifth of it" if is_usual else "softer, or slack"
-        wrong = 100.0 * sum(bool(p.invalid_reason) for p in peaks) / len(peaks)
-        target, note = (0.0 if is_usual else None), f"({len(peaks)} situations)"
-        figures.append(
-            Figure(f"{name}, tissue {which}: not believed", wrong, "%", target, note=note)
-        )
+        wrong, target = sum(bool(p.invalid_reason) for p in peaks), 0.0 if is_usual else None
+        title = f"{name}, tissue {which}: not believed"
+        figures.append(share(title, wrong, len(peaks), target, at_most=True, note="situations"))
     return [*figures, Figure(f"{name}: peak", max(p.peak for p in found), "N", limit)]
 
 

@@ -34,7 +34,7 @@ from rst_control.tension.torque_estimator import (
     load_matrix,
 )
 from rst_control.types import Measurement, unit_vector
-from support.figures import Figure
+from support.figures import Figure, share
 
 Array = NDArray[np.float64]
 TRIALS = 120
@@ -218,15 +218,15 @@ def measure() -> list[Figure]:
 
 def _figures(name: str, found: Sequence[tuple[float, float, str]]) -> list[Figure]:
     errors, sigmas = [t[0] for t in found], np.array([t[1] for t in found])
-    within = float(np.mean(np.abs(errors) <= 2.0 * sigmas))
-    is_tared = name.startswith("tared")
-    trusted = float(np.mean([not t[2] for t in found]))
-    note = "" if is_tared else "(nothing is trusted without a tare)"
+    within = int(np.sum(np.abs(errors) <= 2.0 * sigmas))
+    is_tared, n = name.startswith("tared"), len(found)
+    trusted, target = sum(not t[2] for t in found), None if is_tared else 0.0
+    note = "" if is_tared else "nothing is trusted without a tare"
     return [
         *_spread(name, errors),
         Figure(f"{name}: sigma as estimated, median", float(np.median(sigmas)), "N"),
-        Figure(f"{name}: errors within twice the estimated sigma", within, "", 0.95, False),
-        Figure(f"{name}: trusted", trusted, "", None if is_tared else 0.0, note=note),
+        share(f"{name}: errors within twice the estimated sigma", within, n, 95.0),
+        share(f"{name}: trusted", trusted, n, target, at_most=not is_tared, note=note),
         *(_spread(f"{name}, where trusted", [t[0] for t in found if not t[2]]) if trusted else ()),
     ]
 

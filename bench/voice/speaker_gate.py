@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.voice.material.clips import SPEECH
-from support.figures import Figure, share
+from support.figures import Figure, over_groups, share
 from support.theatre_sound import theatre_noise
 from voice_assist.audio.mixing import add_noise
 from voice_assist.config import load_voice_config
@@ -58,15 +58,15 @@ class GateSpeaker:
 class Trials:
     """Scores of utterances in the right voice and in others [standard deviations]."""
 
-    own: Scores
+    own: tuple[Scores, ...]  # of each speaker
     other: Scores
-    speakers: int
 
     @property
     def equal_error(self) -> tuple[float, float]:
         """Rate at which misses and false accepts are as frequent, and the threshold there."""
-        steps = np.unique(np.concatenate([self.own, self.other]))
-        missed = np.searchsorted(np.sort(self.own), steps) / len(self.own)
+        own = np.sort(np.concatenate(self.own))
+        steps = np.unique(np.concatenate([own, self.other]))
+        missed = np.searchsorted(own, steps) / len(own)
         let_in = 1.0 - np.searchsorted(np.sort(self.other), steps) / len(self.other)
         at = int(np.abs(missed - let_in).argmin())
         return float(missed[at] + let_in[at]) / 2.0, float(steps[at])
@@ -159,23 +159,27 @@ def _trials(
     group: Sequence[GateSpeaker], heard: Sequence[Sequence[Vector]], cohort: Cohort
 ) -> Trials:
     """Every utterance against every voice of its own source."""
-    own: list[float] = []
+    own: list[Scores] = []
     other: list[float] = []
     rows, sources = np.stack([s.centre for s in group]), [s.source for s in group]
     for index, points in enumerate(heard):
         rivals = [n for n, s in enumerate(sources) if s == sources[index] and n != index]
-        for point in points:
-            scores = cohort.score(point, rows)
-            own.append(float(scores[index]))
-            other += scores[rivals].tolist()
-    return Trials(np.array(own), np.array(other), sum(bool(h) for h in heard))
+        scores = [cohort.score(point, rows) for point in points]
+        other += [float(one) for each in scores for one in each[rivals]]
+        if scores:
+            own.append(np.array([each[index] for each in scores]))
+    return Trials(tuple(own), np.array(other))
 
 
 def _rates(name: str, trials: Trials) -> list[Figure]:
     rate, threshold = trials.equal_error
-    missed, count = int((trials.own < threshold).sum()), len(trials.own)
-    note = f"{trials.speakers} speakers, {count} own and {len(trials.other)} other trials"
+    groups = [(int((own < threshold).sum()), len(own)) for own in trials.own]
+    missed, count = map(sum, zip(*groups, strict=True))
+    note = f"{len(groups)} speakers, {count} own and {len(trials.other)} other trials"
     low, high = share_interval(missed, count)
+    if len(groups) > 1:
+        low = min(low, over_groups(groups, 0.025))
+        high = max(high, over_groups(groups, 0.975))
     bounds = 100 * low, 100 * high
     return [Figure(f"equal error: {name}", 100.0 * rate, "%", WORST, True, note, *bounds)]
 

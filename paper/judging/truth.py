@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import correlate
 
-from paper.play.speaker import sound_end
 from session_log.mcap_file.decoder import Decoder
 from session_log.mcap_file.reader import SessionReader
+from voice_assist.audio.mixing import end_of_speech
 from voice_assist.types import RATE
 
 AUDIO = "/voice_assist/audio"
@@ -81,7 +81,7 @@ def find(
     if likeness[at] < WHOLE:
         return None
     begin = float(stamps[at])
-    return Sounded(begin, begin + sound_end(phrase), float(likeness[at]))
+    return Sounded(begin, begin + end_of_speech(phrase), float(likeness[at]))
 
 
 def _joined(some: Sequence[SoundBlock]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

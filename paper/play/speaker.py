@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from paper.config import ExperimentConfig, PaperVoiceConfig
 from support.theatre_sound import levelled
 from voice_assist.training.data import voices
-from voice_assist.types import RATE
 
 PROGRAMS = {
     **{"espeak": "espeak-ng", "phonemes": "espeak-ng", "mbrola": "mbrola", "flite": "flite"},
@@ -24,8 +23,6 @@ PROGRAMS = {
 }
 PROBE = "hey robot"
 AHEAD = 8  # phrases that are synthesised at once
-FRAME = RATE // 100  # samples of 10 ms
-AUDIBLE = 10 ** (-30.0 / 20.0)  # of the loudest frame; noise at 15 dB below speech covers the rest
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,23 +69,6 @@ class Speaker:
         if not self._ready.get(words):
             self.prepare(words, AHEAD)
         return self._ready[words].popleft()
-
-
-def sound_end(samples: NDArray[np.float32]) -> float:
-    """When a phrase has been said: the end of its last audible 10 ms.
-
-    Args:
-        samples: 16 kHz mono. Shape (n,).
-
-    Returns:
-        [s] from the first sample. What follows is 30 dB and more below the loudest 10 ms.
-    """
-    count = len(samples) // FRAME
-    if count == 0:
-        return len(samples) / RATE
-    power = np.mean(samples[: count * FRAME].reshape(count, FRAME) ** 2, axis=1)
-    audible = np.flatnonzero(power >= AUDIBLE**2 * power.max())
-    return float((audible[-1] + 1) * FRAME / RATE)
 
 
 def installed_voices(config: ExperimentConfig) -> frozenset[str]:

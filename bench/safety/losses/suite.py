@@ -29,17 +29,12 @@ from bench.safety.losses import judge
 from bench.safety.losses.judge import PartLoss, left, ways_of
 from bench.safety.losses.stage import RULES, stage_for
 from support.figures import RESULTS, ROOT, Figure
-from voice_assist.config import load_voice_config
+from support.product_code import SYSTEM, identity
 
 FULL = 1000  # losses
 LOSSES = int(os.environ.get("LOSSES", "60"))
 VICTIMS = tuple(os.environ.get("VICTIMS", " ".join(RULES)).split())
 PATIENCE = 3  # goes in a row from which nothing comes
-CONCERNED = (  # rooms whose code decides how soon the robot rests, and how it comes back
-    *("rst_control/execution", "rst_control/supervision", "rst_control/trajectory"),
-    *("rst_control/robot", "rst_control/host", "rst_control/ros/common"),
-    *("rst_control/ros/controller", "voice_assist/ros"),
-)
 FOLDER = RESULTS / "safety" / "losses_rows"
 LOGS = ROOT / ".cache" / "bench" / "safety" / "losses"
 
@@ -66,14 +61,9 @@ def measure() -> list[Figure]:
 
 
 @cache
-def key(victim: str) -> str:
-    """Names the code and settings that losses of a part depend on, as this process began."""
-    packages = ROOT / "catkin_ws" / "src"
-    rooms = [packages / room.split("/")[0] / "src" / room for room in CONCERNED]
-    hung_after = load_voice_config().recognizer.hung_after if victim == "recogniser" else 0.0
-    return resumable.digest(
-        hung_after, [resumable.code(r) for r in (*rooms, Path(__file__).parent)]
-    )
+def key() -> str:
+    """Names the code and settings that losses depend on, as this process began."""
+    return resumable.digest(identity(SYSTEM), resumable.code(Path(__file__).parent))
 
 
 def _kept(victim: str) -> Path:
@@ -81,7 +71,7 @@ def _kept(victim: str) -> Path:
 
 
 def _so_far(victim: str) -> list[PartLoss]:
-    return [PartLoss.from_json(row) for row in resumable.rows_of(_kept(victim), key(victim))]
+    return [PartLoss.from_json(row) for row in resumable.rows_of(_kept(victim), key())]
 
 
 def _log(victim: str) -> Path:
@@ -106,7 +96,7 @@ def _lose(victim: str, each: int, end: float) -> None:
     with stage_for(victim, len(_so_far(victim)), _log(victim)) as stage:
         while (ways := _wanting(victim, each)) and time.monotonic() < end:
             loss = stage.lose(ways[0])
-            resumable.append(_kept(victim), key(victim), asdict(loss))
+            resumable.append(_kept(victim), key(), asdict(loss))
             if loss.back is None or not loss.found:
                 return  # the next must not be judged by what this one has broken
 

@@ -128,7 +128,6 @@ def figures(tally: SoundTally, moved: int) -> list[Figure]:
     heard = sum(is_heard for _, is_heard in tally.stops)
     missed = Counter(kind for kind, is_heard in tally.stops if not is_heard)
     falsely = {kind: n for kind, n in tally.named.items() if n and kind not in DEAF}
-    deaf = sum(tally.pieces[kind] for kind in DEAF)
     settled = tally.memory[min(WARM, len(tally.memory)) - 1]
     return [
         Figure("bad sound: heard, armed", tally.seconds / 3600.0, "h"),
@@ -141,18 +140,18 @@ def figures(tally: SoundTally, moved: int) -> list[Figure]:
             100.0,
             note=f"missed: {_listed(missed)}",
         ),
-        Figure(
-            "bad sound: named where nobody could be heard",
-            100.0 * sum(tally.named[kind] for kind in DEAF) / deaf if deaf else 0.0,
-            "%",
-            100.0,
-            at_most=False,
-            note=f"{', '.join(DEAF)}; {deaf} minutes",
-        ),
+        *_named(tally),
         Figure("bad sound: other minutes named so", sum(falsely.values()), "", note=str(falsely)),
         Figure("bad sound: memory grown", max(tally.memory[-1] - settled, 0.0), "MiB", MEMORY),
         Figure("bad sound: CPU time per second of it", tally.compute / tally.seconds, "s"),
     ]
+
+
+def _named(tally: SoundTally) -> list[Figure]:
+    """None where no such minute was heard."""
+    named, deaf = (sum(counts[kind] for kind in DEAF) for counts in (tally.named, tally.pieces))
+    title = "bad sound: named where nobody could be heard"
+    return [share(title, named, deaf, 100.0, note=f"minutes; {', '.join(DEAF)}")] if deaf else []
 
 
 def _count(tally: SoundTally, wanted: str) -> int:

@@ -69,6 +69,28 @@ def test_a_part_has_its_module_and_says_which_code_it_is_of(part):
     assert part.rooms and len(product_code.identity(part.rooms)) == product_code.LENGTH
 
 
+@pytest.mark.parametrize(
+    ("name", "room"),
+    [
+        ("safety.network", "/launch/two_hosts.yaml"),
+        ("safety.network", "typed_config"),
+        ("safety.stops_system", "typed_config"),
+        ("safety.hang", "typed_config"),
+        ("system.cost", "typed_config"),
+        ("paper", "typed_config"),
+        ("speaker", "voice_assist/audio"),
+    ],
+)
+def test_what_decides_a_figure_is_among_the_rooms_of_its_part(name, room):
+    (part,) = [part for part in parts() if part.name == name]
+    assert room in part.rooms
+
+
+def test_each_bench_has_a_digest_and_one_that_is_gone_has_none():
+    for part in parts():
+        assert len(part.bench) == (0 if part.last_in else product_code.LENGTH), part.name
+
+
 def test_no_two_parts_share_a_name():
     names = [part.name for part in parts()]
     assert len(set(names)) == len(names)

@@ -12,6 +12,7 @@ from bench.catalogue import AREAS, measurable, parts
 from bench.common.part import HUMAN
 from bench.readme_rows import ReadmeRow
 from support import figures as support_figures
+from support import product_code
 from support.figures import Figure, rate, read, share, write
 from support.product_code import HEARING, beside_hearing, definitions, identity
 
@@ -78,8 +79,9 @@ def test_a_result_holds_the_share_that_the_host_took_meanwhile(tmp_path, monkeyp
         monkeypatch.setattr(f"support.figures.{name}", partial(next, iter(values)))
     monkeypatch.setattr(support_figures, "ROOT", tmp_path)
     monkeypatch.setattr(support_figures, "RESULTS", tmp_path)
-    support_figures.run("one", lambda: [SHARE], Console(quiet=True))
-    assert json.loads((tmp_path / "one.json").read_text())["machine"]["stolen"] == 0.05
+    support_figures.run("one", lambda: [SHARE], Console(quiet=True), bench="0123")
+    result = json.loads((tmp_path / "one.json").read_text())
+    assert result["machine"]["stolen"] == 0.05 and result["bench"] == "0123"
 
 
 def test_what_an_older_result_lacks_is_a_dash_and_its_shares_are_per_cent(tmp_path):
@@ -100,6 +102,55 @@ def test_code_that_changed_after_it_was_measured_marks_the_result(tmp_path):
     assert page.AGES[True] in page.text(tmp_path)
     assert on_file(tmp_path, SHARE, code="other").age is False
     assert page.AGES[False] in page.text(tmp_path)
+
+
+def test_a_bench_that_changed_after_it_measured_marks_the_result(tmp_path):
+    now = identity(PART.rooms)
+    assert on_file(tmp_path, SHARE, code=now, bench=PART.bench).age is True
+    assert on_file(tmp_path, SHARE, code=now, bench="other").age == page.BENCH
+    text = page.text(tmp_path)
+    assert page.AGES[page.BENCH] in text and page.AGES[True] not in text
+    assert "1 of a bench that was changed since." in text
+    assert on_file(tmp_path, SHARE, code="other", bench=PART.bench).age is False
+    assert on_file(tmp_path, SHARE, code="other", bench="other").age is False
+
+
+def test_a_result_that_moves_or_decides_the_same_is_of_an_older_bench_where_it_is(tmp_path, noted):
+    noted("FIXED_SESSIONS", {f"set-points {code}": "a" for code in both(MOVED)})
+    for bench, age in ((MOVED.bench, page.ALIKE), ("other", page.BENCH)):
+        timed = Figure("IK near joint limits: solved within 10 ms", 100.0, "%", 99.9, False)
+        result = on_file(tmp_path, SHARE, timed, part=MOVED, code="other", bench=bench)
+        assert [result.age_of(figure) for figure in result.figures] == [age, False]
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "is_other"),
+    [
+        ("bench/one.py", "from bench import two\nX = 2\n", True),
+        ("bench/two.py", "from support.three import Y\nZ = 1\n", True),
+        ("support/three.py", "Y = 4\n", True),
+        ("bench/process.py", "P = 6\n", True),
+        ("bench/others.py", "A = 7\n", False),
+        ("support/three.py", "Y = 3  # as before\n", False),
+    ],
+)
+def test_a_bench_is_its_module_and_what_that_uses(tmp_path, monkeypatch, file, text, is_other):
+    found = []
+    for folder, change in (("before", {}), ("after", {file: text})):
+        files = {
+            "bench/one.py": "from bench import two\nX = 1\nRUN = ['-m', 'bench.process']\n",
+            "bench/two.py": "from support.three import Y\nZ = Y\n",
+            "support/three.py": "Y = 3\n",
+            "bench/process.py": "P = 5\n",
+            "bench/others.py": "A = 6\n",
+        }
+        for name, content in (files | change).items():
+            path = tmp_path / folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(content)
+        monkeypatch.setattr(product_code, "ROOT", tmp_path / folder)
+        found.append(product_code.bench_identity("bench.one"))
+    assert (found[0] != found[1]) is is_other
 
 
 @pytest.mark.parametrize(
@@ -174,6 +225,35 @@ def test_times_are_of_older_code_though_it_decides_the_same(tmp_path, noted):
     assert "3 of code that was changed since. Of 0 it is not recorded." in page.text(tmp_path)
 
 
+def test_times_of_the_processor_are_of_older_code_though_it_moves_the_same(tmp_path, noted):
+    part = measurable()["motion"]
+    noted("FIXED_SESSIONS", {f"set-points {code}": "a" for code in both(part)})
+    timed = [
+        Figure("IK solved within 10 ms", 99.99, "%", 99.95, at_most=False),
+        Figure("lock-step simulation over real time", 11.0, "times", 10.0, at_most=False),
+        Figure("insertion: planning time p99", 40.0, "ms", 1000.0),
+        Figure("grasp choice, verified: processor time p99", 4.0, "ms", 20.0),
+        Figure("gate: time p99", 4.0, "ms", 20.0),
+        Figure("control tick p99", 90.0, "us", 200.0),
+        Figure("IK time median", 90.0, "us", 200.0),
+    ]
+    simulated = [
+        Figure("IK solved to 1 um inside limits", 100.0, "%", 99.99, at_most=False),
+        Figure("braking, 20 mm/s asked, hard limits: time max", 51.0, "ms", 60.0),
+        Figure("tension: step settled beyond the travel, max", 0.4, "s", 0.5),
+    ]
+    result = on_file(tmp_path, *timed, *simulated, part=part, code="other")
+    assert [result.age_of(figure) for figure in timed] == [False] * len(timed)
+    assert [result.age_of(figure) for figure in simulated] == [page.ALIKE] * len(simulated)
+    assert "its processor times are older" in page.AGES[page.ALIKE]
+
+
+def test_a_real_time_factor_is_of_older_code_though_it_decides_the_same(tmp_path, noted):
+    noted("DECISIONS", {"code": identity(PART.rooms), "rest": "a"})
+    factor = Figure("real-time factor on talk", 0.2, "", 0.5)
+    assert on_file(tmp_path, factor, code="other", decisions="a").age_of(factor) is False
+
+
 @pytest.mark.parametrize(
     ("beside", "age"), [("the present", page.SAME), ("other", False), ("", False)]
 )
@@ -194,7 +274,17 @@ def test_what_rests_on_more_than_hearing_is_the_same_only_where_that_is(
         (Figure("a", 90.0, "%", 80.0, at_most=False, lower=80.0), "met"),
         (Figure("a", 70.0, "%", 80.0, at_most=False, lower=60.0), "**missed**"),
         (Figure("a", 0.0, "per h", 0.5, upper=13.0), page.FEW),
-        (Figure("a", 0.0, "per h", 0.5), "met"),
+        (Figure("a", 0.0, "per h", 0.5), page.UNBOUND),
+        (Figure("a", 90.0, "%", 80.0, at_most=False), page.UNBOUND),
+        (Figure("a", 90.0, "%", 80.0, at_most=False, upper=95.0), page.UNBOUND),
+        (Figure("a", 70.0, "%", 80.0, at_most=False), "**missed**"),
+        (Figure("a: needless stops per hour", 0.0, "", 0.0), page.UNBOUND),
+        (Figure("a: errors within twice the estimated sigma", 0.97, "", 0.95, False), page.UNBOUND),
+        (Figure("a: within twice the stated sigma", 0.97, "", 0.95, False), page.UNBOUND),
+        (Figure("not tared: trusted", 0.0, "", 0.0), page.UNBOUND),
+        (Figure("overshoot max", 0.0, "%", 5.0), "met"),
+        (Figure("shaft off the trocar, max", 0.2, "mm", 1.0), "met"),
+        (Figure("missed", 0.0, "", 0.0), "met"),
         (Figure("a", 0.0, "per h", upper=13.0), ""),
     ],
 )
@@ -203,11 +293,13 @@ def test_what_the_bound_does_not_show_is_not_called_met_alone(figure, verdict):
 
 
 def test_the_head_counts_verdicts_without_a_bound_and_of_changed_code(tmp_path):
-    on_file(tmp_path, SHARE, Figure("longest", 3.0, "ms", 5.0), code="other")
+    bare = Figure("heard", 99.0, "%", 95.0, at_most=False)
+    on_file(tmp_path, SHARE, Figure("longest", 3.0, "ms", 5.0), bare, bare, code="other")
     head = page.text(tmp_path).partition("## Missed")[0]
-    assert "1 targets are met and 1 missed." in head
-    assert "1 of those met have no bound" in head
-    assert "2 of code that was changed since." in head
+    assert "3 targets are met and 1 missed." in head
+    assert "2 of those met are shares or rates without a bound" in head
+    assert "1 more are single values, maxima or counts" in head
+    assert "4 of code that was changed since." in head
 
 
 @pytest.mark.parametrize(
@@ -241,6 +333,12 @@ def test_the_readme_needs_its_marks_and_figures_that_are_there_once(tmp_path, mo
             page.readme(tmp_path)
     on_file(tmp_path, SHARE)
     assert "| so much (human) | 90 % (9 of 10) | ≥ 95 | **missed** |" in page.readme(tmp_path)
+
+
+def test_the_readme_says_of_how_many_a_percentile_is(tmp_path, monkeypatch):
+    monkeypatch.setattr(page, "ROWS", (ReadmeRow("so late", PART.name, "late p95"),))
+    on_file(tmp_path, Figure("late p95", 180.0, "ms", note="n=60"))
+    assert "| so late (human) | 180 ms (n=60) | none |" in page.readme(tmp_path)
 
 
 def test_every_area_has_a_part():

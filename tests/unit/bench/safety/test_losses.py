@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The judge of lost parts: what it must call late, resumed, unseen or well, by made traces."""
 
+import importlib
 import json
+import sys
 from dataclasses import asdict
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -27,6 +30,7 @@ from bench.safety.losses.judge import (
     speed,
 )
 from support.figures import RESULTS
+from support.product_code import SYSTEM
 
 PERIOD = 0.002
 CRUISE = 0.05  # [rad/s]
@@ -66,6 +70,24 @@ def loss(**changes):
 
 def by_name(losses, rules, planned=None):
     return {f.name: f for f in figures(losses, rules, planned or len(losses))}
+
+
+@pytest.fixture
+def suite(monkeypatch):
+    """The suite without its stage, which needs ROS."""
+    stage = SimpleNamespace(RULES={}, stage_for=None)
+    monkeypatch.setitem(sys.modules, "bench.safety.losses.stage", stage)
+    yield importlib.import_module("bench.safety.losses.suite")
+    del sys.modules["bench.safety.losses.suite"]
+
+
+def test_losses_that_are_kept_are_of_the_code_of_the_whole_system(suite, monkeypatch):
+    found = []
+    for code in ("a", "b", "a"):
+        suite.key.cache_clear()
+        monkeypatch.setattr(suite, "identity", {SYSTEM: code}.__getitem__)
+        found.append(suite.key())
+    assert found[0] == found[2] != found[1]
 
 
 def test_each_way_is_taken_as_often_and_what_is_kept_is_not_taken_again():

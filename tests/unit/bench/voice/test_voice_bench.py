@@ -5,12 +5,26 @@ import pytest
 from bench.voice.calibration import Reliability, draw, reliability
 from bench.voice.material import theatre_noise
 from bench.voice.material.confusable_phrases import ALL, DENIED, IN_A_SENTENCE, SOUNDS_LIKE
+from bench.voice.speaker_gate import Trials, _rates
 from voice_assist.config import load_voice_config
 from voice_assist.intent.mapper import Mapper
 from voice_assist.text.normalize import is_negated, normalize
 from voice_assist.types import RATE, Match
 
 CONFIG = load_voice_config()
+
+
+# --- speaker gate
+
+
+def test_the_bounds_of_the_equal_error_are_those_of_speakers_that_differ():
+    known, unknown = np.full(50, 3.0), np.r_[np.full(10, -3.0), np.full(40, 3.0)]
+    (figure,) = _rates("all", Trials((known, unknown), np.r_[np.full(90, -2.0), np.full(10, 4.0)]))
+    assert figure.value == pytest.approx(10.0)
+    assert "2 speakers, 100 own and 100 other trials" in figure.note
+    assert (figure.lower, figure.upper) == (0.0, 20.0)  # one speaker or the other, drawn twice
+    (alone,) = _rates("all", Trials((known,), np.full(90, -2.0)))
+    assert (alone.value, alone.lower) == (0.0, 0.0) and alone.upper == pytest.approx(7.11, abs=0.01)
 
 
 # --- calibration

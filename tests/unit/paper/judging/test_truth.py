@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from paper.judging.truth import SoundBlock, find
-from paper.play.speaker import sound_end
+from voice_assist.audio.mixing import end_of_speech
 from voice_assist.types import RATE
 
 BLOCK = 512
@@ -38,19 +38,28 @@ def captured(phrase, at, seconds=3.0, noise=0.002, jitter=0.0, cut=0.0):
 
 
 def test_the_end_of_a_phrase_is_its_last_audible_moment(phrase):
-    assert sound_end(phrase) == pytest.approx(0.4, abs=0.011)
+    assert end_of_speech(phrase) == pytest.approx(0.4, abs=0.011)
+
+
+def test_a_phrase_ends_where_the_other_benches_have_its_end(phrase):
+    loudest = np.sqrt(np.square(phrase).reshape(-1, 160).mean(axis=1).max())
+    soft = 10 ** (-33 / 20) * loudest * np.resize([1.0, -1.0], RATE // 10)
+    said = np.concatenate([phrase[: -RATE // 10], soft, np.zeros(RATE // 10)]).astype(np.float32)
+    found = find(said, captured(said, 1.0), T0 + 0.9, T0 + 1.6)
+    assert found.end - T0 == pytest.approx(1.5, abs=0.011)
+    assert end_of_speech(said) == pytest.approx(0.5)
 
 
 def test_the_end_does_not_depend_on_silence_behind_it(phrase):
     longer = np.concatenate([phrase, np.zeros(RATE, np.float32)])
-    assert sound_end(longer) == sound_end(phrase)
+    assert end_of_speech(longer) == end_of_speech(phrase)
 
 
 @pytest.mark.parametrize("at", [0.3, 0.8123, 1.9])
 def test_a_phrase_is_found_where_it_sounded(phrase, at):
     found = find(phrase, captured(phrase, at), T0 + at - 0.1, T0 + at + 0.6)
     assert found.begin - T0 == pytest.approx(at, abs=2 / RATE)
-    assert found.end - found.begin == pytest.approx(sound_end(phrase))
+    assert found.end - found.begin == pytest.approx(end_of_speech(phrase))
     assert found.likeness > 0.95
 
 

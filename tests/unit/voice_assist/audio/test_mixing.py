@@ -21,6 +21,27 @@ def test_a_soft_last_sound_of_a_clip_cut_close_belongs_to_the_speech():
     assert end_of_speech(np.r_[sound, hiss]) == pytest.approx(len(sound) / RATE + 0.15, abs=0.011)
 
 
+def restless(level, seed):
+    """A second of noise that is so many dB below a word, by block of 10 ms 3 dB more or less."""
+    rng = np.random.default_rng(seed)
+    gain = 10 ** ((rng.normal(0.0, 3.0, 100) - level) / 20)
+    return 0.3 / np.sqrt(2.0) * np.repeat(gain, 160) * rng.standard_normal(RATE)
+
+
+@pytest.mark.parametrize("level", [25.0, 30.0, 35.0])
+@pytest.mark.parametrize("seed", range(5))
+def test_a_word_ends_before_the_restless_background_of_its_clip(level, seed):
+    word = say("stop", before=0.3, after=0.45)
+    assert end_of_speech(word + restless(level, seed)) == pytest.approx(0.52, abs=0.021)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_burst_after_a_closure_belongs_to_the_word_though_there_is_a_background(seed):
+    clip = say("stop", before=0.3, after=0.45) + restless(40.0, seed)
+    clip[round(0.6 * RATE) : round(0.63 * RATE)] += 0.1 * say("stop", 0.0, 0.0)[:480]
+    assert end_of_speech(clip) == pytest.approx(0.63, abs=0.011)
+
+
 def test_silence_ends_with_the_clip():
     assert end_of_speech(np.zeros(RATE, np.float32)) == 1.0
     assert end_of_speech(np.zeros(0, np.float32)) == 0.0

@@ -10,7 +10,8 @@ from voice_assist.types import RATE, Samples
 
 BLOCK = 160  # samples, 10 ms
 _BELOW_PEAK_DB = 35.0  # of a block that still counts as speech, against the loudest
-_ABOVE_NOISE_DB = 10.0  # of a block that counts as speech, against the quietest
+_ABOVE_NOISE = 10.0  # power of a block that counts as speech, over that of the noise
+_BACKGROUND = 1.0 / 3.0  # of a clip's blocks are near the quietest, where it has a background
 _QUIETEST = 1e-10  # power
 
 
@@ -25,17 +26,26 @@ def block_powers(samples: Samples) -> NDArray[np.float64]:
 def speech_blocks(samples: Samples) -> NDArray[np.bool_]:
     """Which blocks of 10 ms hold speech, by their level alone.
 
-    A block does that is at most 35 dB below the loudest and at least 10 dB over the quietest, which
-    in a clip with a background is the background; no detector is asked, so that none can flatter
-    itself.
+    A block does that is at most 35 dB below the loudest and at least 10 dB over the quietest. No
+    detector is asked, so that none can flatter itself. A background that varies by more than that
+    counts, too: `end_of_speech` leaves it out.
     """
     powers = block_powers(samples)
-    if not len(powers):
-        return np.zeros(0, np.bool_)
-    peak = float(powers.max())
-    ratio = 10 ** (_ABOVE_NOISE_DB / 10)
-    above = min(float(powers.min()) * ratio, peak / ratio)
+    return _loud(powers, float(powers.min(initial=np.inf)))
+
+
+def _loud(powers: NDArray[np.float64], noise: float) -> NDArray[np.bool_]:
+    """Which blocks are near the loudest and over a power of noise."""
+    peak = float(powers.max(initial=0.0))
+    above = min(noise * _ABOVE_NOISE, peak / _ABOVE_NOISE)
     return np.asarray(powers >= max(peak * 10 ** (-_BELOW_PEAK_DB / 10), above, _QUIETEST))
+
+
+def _background(powers: NDArray[np.float64]) -> float:
+    """Power of a clip's background; of its quietest block where it is cut close to the speech."""
+    quietest = float(powers.min(initial=np.inf))
+    near = powers[powers <= quietest * _ABOVE_NOISE]
+    return float(np.median(near)) if len(near) > _BACKGROUND * len(powers) else quietest
 
 
 def trimmed(samples: Samples) -> Samples:
@@ -45,8 +55,14 @@ def trimmed(samples: Samples) -> Samples:
 
 
 def end_of_speech(samples: Samples) -> float:
-    """Time at which the speech of a clip ends [s]; its length where it holds none."""
-    found = np.flatnonzero(speech_blocks(samples))
+    """Time at which the speech of a clip ends [s]; its length where it holds none.
+
+    That is the last block of 10 ms that is at most 35 dB below the loudest, and at least 10 dB over
+    the background. The background is the median of the blocks within 10 dB of the quietest, where
+    these are a third of the clip. A clip without that many has none: the quietest block counts.
+    """
+    powers = block_powers(samples)
+    found = np.flatnonzero(_loud(powers, _background(powers)))
     return float(found[-1] + 1) * BLOCK / RATE if len(found) else len(samples) / RATE
 
 

@@ -39,7 +39,7 @@ from voice_assist.evaluation.evaluator import (
 from voice_assist.evaluation.metrics import summarize, verdict
 from voice_assist.profile.profile import facts_of
 
-END_OF_SPEECH = "last 10 ms of the clip within 35 dB of its loudest and 10 dB above its quietest"
+END_OF_SPEECH = "last 10 ms of the clip within 35 dB of its loudest and 10 dB above its background"
 
 
 @dataclass(frozen=True)
