@@ -22,8 +22,9 @@ from tests.support.ros_host import Host
 
 HERE = Path(__file__).parent
 SHOWN = 8000  # characters of what a failed rostest, or the system, said
-SKIPPED = re.compile(r"^skipped: (.+)$", re.MULTILINE)  # said by a script that cannot run here
-RAN = re.compile(r"^Ran (\d+) tests? in", re.MULTILINE)
+# said by a script that cannot run here, and by unittest of a test
+SKIPPED = re.compile(r"^(?:skipped: |.* \.\.\. skipped )(.+)$", re.MULTILINE)
+RAN = re.compile(r"^Ran [1-9]\d* tests? in", re.MULTILINE)
 
 
 def pytest_collect_file(file_path, parent):
@@ -74,11 +75,11 @@ class RosTest(pytest.Item):
                 script.wait()
             printed.seek(0)
             said = printed.read()
-        if skipped := SKIPPED.search(said):
-            pytest.skip(skipped[1])
-        ran = RAN.search(said)
-        if status or not (ran and int(ran[1])):
+        skipped = SKIPPED.search(said)
+        if status or not (skipped or RAN.search(said)):
             self.fail(f"{said[-SHOWN:]}\nended with: {status}")
+        if skipped:
+            pytest.skip(skipped[1])
 
     def fail(self, words):
         raise RosTestError(f"{words}\n--- the system said:\n{self.parent.host.said()[-SHOWN:]}")

@@ -140,6 +140,17 @@ class Attacked(RobotTest):
         self.robot.say("stop")
         self.robot.wait(lambda: len(self.robot.halts()) > halts)
 
+    def test_7_a_cancel_that_names_no_goal_stops_a_motion_that_is_no_goal(self):
+        self.robot.start_fresh()
+        count = self.robot.finished("tense")
+        self.robot.say("tense")
+        self.robot.wait_for_motion()
+        self.cancel.publish(GoalID())
+        self.robot.wait_for_state("halted", limit=5.0)
+        self.assertEqual(self.robot.state.halt_reason_code, "stop_cancel")
+        self.robot.wait_for_rest()
+        self.assertEqual(self.robot.finished("tense"), count)
+
 
 if __name__ == "__main__":
     run_tests(Attacked, "attacked")

@@ -23,6 +23,7 @@ class StopInMotion(RobotTest):
     def setUp(self):
         self.robot.start_fresh()
         self.robot.states.clear()
+        self.carried_out = self.robot.finished("tense")
 
     def assert_halts(self):
         self.robot.wait_for_state("halted", limit=5)
@@ -38,12 +39,14 @@ class StopInMotion(RobotTest):
         self.robot.wait_for_motion()
         self.robot.say("stop")
         self.assert_halts()
+        self.assertEqual(self.robot.finished("tense"), self.carried_out)
 
     def test_stop_by_topic(self):
         self.robot.say("tense")
         self.robot.wait_for_motion()
         self.robot.stop_topic.publish(Empty())
         self.assert_halts()
+        self.assertEqual(self.robot.finished("tense"), self.carried_out)
 
     def test_cancelled_action(self):
         self.client.send_goal(AssistGoal(command="tense"))

@@ -366,11 +366,29 @@ def test_a_cancel_of_a_goal_that_was_replaced_is_handed_on(end, is_late):
     assert server.late_cancelled == (["g"] if is_late else [])
 
 
-@pytest.mark.parametrize("is_moving", [True, False])
-def test_a_cancel_of_a_goal_that_was_replaced_stops_what_moves(is_moving):
+def bare_server(is_moving=True):
+    """The server of the action without topics, and the stops that it has asked for."""
     stops, bare = [], object.__new__(action_server.AssistServer)
     bare._executor = SimpleNamespace(
-        snapshot=SimpleNamespace(is_moving=is_moving), stop=lambda cause, *_: stops.append(cause)
+        snapshot=SimpleNamespace(is_moving=is_moving),
+        stop=lambda cause, received, caller: stops.append((cause.reason, caller)),
     )
+    return bare, stops
+
+
+@pytest.mark.parametrize("is_moving", [True, False])
+def test_a_cancel_of_a_goal_that_was_replaced_stops_what_moves(is_moving):
+    bare, stops = bare_server(is_moving)
     bare._on_late_cancel(GoalID(id="g"))
-    assert [cause.reason for cause in stops] == ([Reason.STOP_CANCEL] if is_moving else [])
+    assert stops == ([(Reason.STOP_CANCEL, UNNAMED)] if is_moving else [])
+
+
+@pytest.mark.parametrize("is_moving", [True, False])
+def test_a_cancel_that_names_no_goal_and_a_goal_that_is_a_stop_reach_the_controller(is_moving):
+    bare, stops = bare_server(is_moving)
+    cancel = GoalID()
+    cancel._connection_header = {"callerid": "/pedal"}
+    bare._on_cancel_all(cancel)
+    assert stops == [(Reason.STOP_CANCEL, "/pedal")]
+    bare._on_stop(goal("stop", "s"))
+    assert stops[1:] == [(Reason.STOP_COMMAND, "/panel")]

@@ -1,8 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the robot may do while nobody records it."""
 
+from importlib import import_module
+from pkgutil import extend_path
+from types import SimpleNamespace
+
 import pytest
 
+import rst_control
 from rst_control.admission.command_queue import CommandQueue
 from rst_control.admission.recording_gate import (
     LASTING,
@@ -17,6 +22,9 @@ from rst_control.config import load_motion_config
 from rst_control.config.recording import RecordingConfig
 from rst_control.types import Reason, State
 from tests.unit.rst_control.support.executor_rig import Rig
+
+rst_control.__path__ = extend_path(rst_control.__path__, rst_control.__name__)  # with its messages
+RecordingLink = import_module("rst_control.ros.controller.recording_link").RecordingLink
 
 AGE = 2.0  # [s]
 
@@ -162,6 +170,9 @@ class RecordedRig(Rig):
         self.watch = watch_of(on_loss, clock)
         verify = RecordedOnly(self.context.verify, self.watch)
         self.queue = CommandQueue(self.executor, verify, clock)
+        self.link = RecordingLink.__new__(RecordingLink)  # which needs no node to check
+        self.link._watch, self.link._executor = self.watch, self.executor
+        self.link._news = SimpleNamespace(next=lambda: None)
         self.problem = ""
 
     def record(self, problem):
@@ -171,9 +182,7 @@ class RecordedRig(Rig):
 
     def tick(self):
         self.watch.heard("/recorder", self.problem)
-        view = self.executor.snapshot
-        if view.mode.state is State.MOVING and (cause := self.watch.stop_cause(view.plan)):
-            self.executor.stop(cause)
+        self.link.check(self.executor.snapshot)
         return super().tick()
 
 

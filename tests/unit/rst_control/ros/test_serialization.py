@@ -80,9 +80,17 @@ def test_any_bytes_are_read_or_refused(raw):
             read(raw)
 
 
-@given(st.integers(0, 400), st.binary(min_size=1, max_size=8))
-def test_any_damage_to_a_message_is_read_or_refused(where, damage):
-    good = message()
+PLACES = [message().index(v.tobytes()) + 8 * k for v in (POSITION, VELOCITY) for k in range(10)]
+NO_NUMBERS = [struct.pack("<d", value) for value in (np.nan, np.inf, -np.inf)]
+DAMAGES = st.one_of(
+    st.tuples(st.integers(0, 400), st.binary(min_size=1, max_size=8)),
+    st.tuples(st.sampled_from(PLACES), st.sampled_from(NO_NUMBERS)),
+)
+
+
+@given(DAMAGES)
+def test_any_damage_to_a_message_is_read_or_refused(drawn):
+    (where, damage), good = drawn, message()
     raw = good[:where] + damage + good[where + len(damage) :]
     with suppress(BadMessage):
         sample = JointStateReader(JOINTS)(raw)

@@ -271,7 +271,7 @@ def test_a_robot_that_held_by_itself_wakes_though_set_points_went_on_while_it_st
     assert rig.executor.snapshot.mode.state is State.ACTIVE
 
 
-@pytest.mark.parametrize("phase", ["open", "reach"])
+@pytest.mark.parametrize("phase", ["open", "reach", "close", "pull"])
 def test_a_phase_that_takes_too_long_brakes(phase):
     rig = Rig(config=with_watchdogs(phase_timeout=2.0)).moving(phase)
     rig.now += 3.5  # in which the way, late for once, goes on by five periods only

@@ -10,7 +10,7 @@ import pytest
 from support.waiting import PATIENCE
 from tests.unit.voice_assist.display.support.served_page import RIGHT, assert_strict, run
 from tests.unit.voice_assist.display.support.theatre import RecordedActs
-from voice_assist.display.acts import BadRequestError, read_act
+from voice_assist.display.acts import FORMS, BadRequestError, read_act
 from voice_assist.display.server import AT_WORK, MOST_BODY
 
 
@@ -78,20 +78,28 @@ def test_a_stop_is_confirmed_while_other_acts_keep_all_threads_busy():
     run(act, acts=Slow())
 
 
-def test_a_microphone_is_chosen_with_the_token_only():
-    acts, body = RecordedActs(), {"name": "USB"}
+BODIES = {
+    "microphone": {"name": "USB"},
+    "answer": {"command": "tense", "yes": True},
+    "grasp": {"x": 0.5, "y": 0.25, "stamp": 7.0},
+}
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_every_act_but_a_stop_is_done_with_the_token_only(name):
+    acts, body = RecordedActs(), BODIES[name]
 
     async def act(_, session):
         for headers in ({}, {"Authorization": "Bearer WRONG"}, {"Authorization": "Basic x"}):
-            async with session.post("/act/microphone", json=body, headers=headers) as answer:
+            async with session.post(f"/act/{name}", json=body, headers=headers) as answer:
                 assert answer.status == 401
                 assert_strict(answer.headers)
         assert not acts.asked
-        async with session.post("/act/microphone", json=body, headers=RIGHT) as answer:
+        async with session.post(f"/act/{name}", json=body, headers=RIGHT) as answer:
             assert (answer.status, await answer.json()) == (200, {"done": True, "words": "done"})
 
     run(act, acts=acts)
-    assert acts.asked == [("microphone", "USB")]
+    assert acts.asked == [(name, *body.values())]
 
 
 @pytest.mark.parametrize(

@@ -69,13 +69,15 @@ class Moody(FakeRecognizer):
 
 
 class Spotter:
-    """Spots once, after a test has set `is_said`."""
+    """Spots once, after a test has set `is_said`; raises `error`, which ends its thread."""
 
     def __init__(self):
         self.heard, self.is_said = [], False
-        self.score = None
+        self.score = self.error = None
 
     def __call__(self, frame):
+        if self.error is not None:
+            raise self.error
         self.heard.append(frame.first_sample)
         is_said, self.is_said = self.is_said, False
         return Spotted(frame.stamp, 9.0) if is_said else None
@@ -328,6 +330,19 @@ def test_a_recognizer_that_crashes_stops_the_robot_at_once_and_is_named(room):
     level, *named = room.state()
     assert level == DiagnosticStatus.ERROR
     assert named == ["hear: no such number", HearingFault.THREAD_ENDED]
+
+
+def test_a_spotter_that_crashes_is_named_and_the_recognizer_alone_hears_a_stop(room):
+    room.spotter.error = ArithmeticError("no such number")
+    room.hear("")
+    wait_until(lambda: room.state()[2] is HearingFault.SPOTTER_FAILED, "the failure is named")
+    named = "spotter: no such number; the recogniser alone hears a stop"
+    assert room.state()[:2] == (DiagnosticStatus.ERROR, named)
+    room.more("heartbeat", BEATS)
+    assert room.count("stop") == 0 and not room.ended
+    room.hear("stop")
+    room.reach("stop", 1)
+    assert room.state()[2] is HearingFault.SPOTTER_FAILED  # until the node is started again
 
 
 def test_gaps_that_come_often_end_the_heartbeat_until_they_are_over(room, clock):
