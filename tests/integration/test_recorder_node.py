@@ -53,12 +53,12 @@ def ros(tmp_path_factory):
 
 
 @contextmanager
-def recorder(ros, folder, screen=None, script=PACKAGE / "scripts" / "recorder", **changes):
+def recorder(ros, folder, screen=None, program=(PACKAGE / "scripts" / "recorder",), **changes):
     settings = dict(load_yaml(PACKAGE / "config" / "recorder.yaml"))
     settings |= {"folder": str(folder), "name": ".", **changes}
     ros.master.setParam("/recorder", settings)
     streams = {"stderr": screen.open("wb")} if screen else {}
-    process = ros.start(sys.executable, str(script), str(folder), **streams)
+    process = ros.start(sys.executable, *map(str, program), **streams)
     try:
         yield process
     finally:
@@ -267,7 +267,7 @@ def test_a_folder_that_cannot_be_written_is_an_error_until_it_can(ros, tmp_path)
 
 
 def test_it_closes_the_file_whatever_it_does_when_it_is_interrupted(ros, tmp_path):
-    with recorder(ros, tmp_path, script=interrupted_recorder.__file__) as process:
+    with recorder(ros, tmp_path, program=(interrupted_recorder.__file__, tmp_path)) as process:
         assert process.wait(PATIENCE) == 0
     assert (tmp_path / interrupted_recorder.DONE).exists()
     assert read_summary(SessionReader(tmp_path)).condition.is_closed

@@ -16,11 +16,12 @@ _loss = Recorder._loss  # called while the recorder's lock is held
 
 def interrupt_once(recorder):
     Recorder._loss = _loss
-    (Path(sys.argv[1]) / DONE).touch()
+    (FOLDER / DONE).touch()
     os.kill(os.getpid(), signal.SIGINT)
     return _loss(recorder)
 
 
 if __name__ == "__main__":
+    FOLDER = Path(sys.argv.pop())  # the node itself takes no word
     Recorder._loss = interrupt_once
     main()
