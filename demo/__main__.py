@@ -145,12 +145,13 @@ def _session(
         else:
             system.launch_session(folder, gui=options.gui, **source)
         timeline = stack.enter_context(Timeline(console))
-        _wait_until_ready(system, timeline)
         page, hands = PagePictures(folder, timeline.say), Hands(timeline.warn)
         stack.callback(page.close)
-        page.start()
+        page.start()  # with the system: what starts later takes a core from those who hear
         if script.has_devices:
             stack.callback(end_group, start_devices())
+        _wait_until_ready(system, timeline)
+        page.wait_for_browser()
         if options.microphone:
             _listen(system, timeline)
         with timeline.first_sound(SOUND_TIME, is_file=microphone is None) as first_sound:

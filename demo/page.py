@@ -36,17 +36,22 @@ class PagePictures:
 
     def __init__(self, folder: Path, say: Callable[[str], None]) -> None:
         self._folder, self._say = folder, say
-        self._address = str(rospy.get_param(ADDRESS, ""))
         self._moments: Queue[str] = Queue()
+        self._is_up = threading.Event()  # the browser, or that there will be none
         self._thread = threading.Thread(target=self._run, name="page", daemon=True)
 
     def start(self) -> None:
         """Begin; only after someone is sure to close it, whatever comes between."""
-        self._say(f"operator's page: {self._address or 'none; launch.log says why'}")
-        if not find_browser():
-            self._say(f"no pictures of the page: {MISSING}")
-        elif self._address:
+        if find_browser():
             self._thread.start()
+        else:
+            self._is_up.set()
+            self._say(f"no pictures of the page: {MISSING}")
+
+    def wait_for_browser(self) -> None:
+        """Until its start takes no core from those who hear; the page is served by now."""
+        self._is_up.wait(PATIENCE)
+        self._say(f"operator's page: {_address() or 'none; launch.log says why'}")
 
     def take(self, moment: str) -> None:
         """Begin the picture of this moment."""
@@ -69,11 +74,14 @@ class PagePictures:
             asyncio.run(self._photograph())
         except (RuntimeError, OSError, TimeoutError) as error:
             self._say(f"no pictures of the page: {error}")
+        finally:
+            self._is_up.set()
 
     async def _photograph(self) -> None:
         async with Browser() as browser:
-            while moment := await self._next():
-                await browser.open(self._address)
+            self._is_up.set()
+            while (moment := await self._next()) and (address := _address()):
+                await browser.open(address)
                 await browser.until(SHOWS_THE_SESSION)
                 with suppress(RuntimeError):
                     await browser.until(SHOWS_THE_SCENE, PATIENCE)
@@ -83,3 +91,8 @@ class PagePictures:
                     await browser.picture(self._folder / f"page-{moment}{ending}.png")
                 await browser.open(NOWHERE)
                 self._say(f"picture of the page: page-{moment}.png")
+
+
+def _address() -> str:
+    """Of the page; empty: there is none."""
+    return str(rospy.get_param(ADDRESS, ""))
