@@ -17,8 +17,8 @@ from std_msgs.msg import String
 from rst_control.msg import Event
 from typed_config import ConfigError, load_config
 from typed_config.errors import Missing
-from typed_config.ros.connections import stay_registered
 from typed_config.ros.launch_settings import is_restart, launch_settings
+from typed_config.ros.registration import stay_registered
 from typed_config.ros.service_calls import never
 from typed_config.ros.starting import starting
 from typed_config.ros.xmlrpc import FAILURES, ask

@@ -17,8 +17,9 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from sensor_msgs.msg import Joy
 from std_msgs.msg import Bool, Empty
 
-from typed_config.ros.connections import is_heard, open_callers, open_listeners, stay_registered
+from typed_config.ros.connections import is_heard, open_callers, open_listeners
 from typed_config.ros.launch_settings import launch_settings
+from typed_config.ros.registration import stay_registered
 from typed_config.ros.starting import starting
 from voice_assist.audio.capture.stamp_check import MAX_AHEAD
 from voice_assist.config.pedal import PedalConfig, pedal_config

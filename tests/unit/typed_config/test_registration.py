@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 import rospy
 
-from typed_config.ros import connections
+from typed_config.ros import registration
 
 OWN, ANOTHER = "http://host:1/", "http://host:2/"
 REGISTERED = [
@@ -24,8 +24,8 @@ def look(monkeypatch):
         get_subscriptions=lambda: [REGISTERED[1][:2]],
     )
     services = SimpleNamespace(get_services=lambda: [REGISTERED[2][:2]])
-    monkeypatch.setattr(connections, "get_topic_manager", lambda: topics)
-    monkeypatch.setattr(connections, "get_service_manager", lambda: services)
+    monkeypatch.setattr(registration, "get_topic_manager", lambda: topics)
+    monkeypatch.setattr(registration, "get_service_manager", lambda: services)
     monkeypatch.setattr(rospy, "get_name", lambda: "/pedal")
     monkeypatch.setattr(rospy, "logerr", lambda *_: None)
     monkeypatch.setattr(rospy.rostime, "wallsleep", lambda _: None)
@@ -33,9 +33,9 @@ def look(monkeypatch):
     def look(*answers):
         left, made = list(answers), []
         listeners = SimpleNamespace(notify_added=lambda *what: made.append(what))
-        monkeypatch.setattr(connections, "get_registration_listeners", lambda: listeners)
+        monkeypatch.setattr(registration, "get_registration_listeners", lambda: listeners)
         clock = SimpleNamespace(monotonic=lambda: float(len(answers) - len(left)))
-        monkeypatch.setattr(connections, "time", clock)
+        monkeypatch.setattr(registration, "time", clock)
         monkeypatch.setattr(rospy, "is_shutdown", lambda: not left)
 
         def ask(_, method, own, name):
@@ -45,8 +45,8 @@ def look(monkeypatch):
                 raise answer
             return answer
 
-        monkeypatch.setattr(connections, "ask", ask)
-        connections._stay_registered()
+        monkeypatch.setattr(registration, "ask", ask)
+        registration._stay_registered()
         return made
 
     return look
