@@ -7,7 +7,6 @@ topic is subscribed while a viewer asks for it.
 
 from __future__ import annotations
 
-import os
 import re
 import sys
 import threading
@@ -25,6 +24,7 @@ from session_log.config import FoxgloveConfig
 from session_log.recording.namespace import Namespace
 from session_log.types import URDF_TOPIC
 from typed_config import package_file
+from typed_config.priority import set_priority
 from typed_config.ros.connections import open_callers
 from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
@@ -212,8 +212,7 @@ def _search(topics: LiveTopics, config: FoxgloveConfig) -> None:
 
 def main() -> None:
     """Run the node."""
-    with suppress(OSError):
-        os.setpriority(os.PRIO_PROCESS, 0, NICE)
+    set_priority(NICE)
     with starting("foxglove", __doc__, needs_clock=False):
         config = private_settings(FoxgloveConfig, FILE)
         try:

@@ -3,12 +3,11 @@
 
 from __future__ import annotations
 
-import os
-from contextlib import suppress
-from pathlib import Path
+from typing import Final
 
-AUTOGROUP = Path("/proc/self/autogroup")  # Linux weighs sessions first, then processes in them
-NICE = -10
+from typed_config.priority import set_priority
+
+NICE: Final = -20
 
 
 def hear_first() -> str:
@@ -21,10 +20,4 @@ def hear_first() -> str:
     Returns:
         What was granted, in words.
     """
-    try:
-        os.setpriority(os.PRIO_PROCESS, 0, NICE)
-    except PermissionError:  # not root, and no right to it in limits.conf
-        return "none"
-    with suppress(OSError):  # a kernel without groups of sessions
-        AUTOGROUP.write_text(str(NICE), encoding="ascii")
-    return f"nice {NICE}"
+    return f"nice {NICE}" if set_priority(NICE) else "none"

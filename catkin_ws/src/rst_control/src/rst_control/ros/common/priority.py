@@ -11,6 +11,8 @@ from pathlib import Path
 
 import rospy
 
+from typed_config.priority import weigh_session
+
 LEVEL = 5  # of the real-time policy, low: what the kernel itself needs goes first
 NICE = -10
 SWITCH_INTERVAL = 1e-4  # [s] how long another Python thread may keep the interpreter from the loop
@@ -45,6 +47,7 @@ def ask_for_priority() -> str:
         for thread in _threads():
             with suppress(ProcessLookupError):
                 os.setpriority(os.PRIO_PROCESS, thread, NICE)
+        weigh_session(NICE)
         return f"nice {NICE}"
     return "none"
 

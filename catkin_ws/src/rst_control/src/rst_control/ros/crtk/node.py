@@ -7,7 +7,6 @@ else by the service `rst_control/command`.
 
 from __future__ import annotations
 
-import os
 import re
 import threading
 import time
@@ -33,6 +32,7 @@ from rst_control.ros.common.republisher import Repeated
 from rst_control.srv import Command
 from rst_control.types import BASE, JOINTS, Vector
 from typed_config import ConfigError
+from typed_config.priority import set_priority
 from typed_config.ros.known_publishers import KnownPublishers
 from typed_config.ros.private_settings import private_settings, robot_description
 from typed_config.ros.service_calls import call_service
@@ -243,7 +243,7 @@ def _arm(name: object) -> str:
 
 def main() -> None:
     """Run the CRTK node."""
-    os.setpriority(os.PRIO_PROCESS, 0, NICE)
+    set_priority(NICE)
     with starting("crtk", __doc__, refusals=(ConfigError, RobotModelError)):
         config = private_settings(CrtkConfig, CRTK_FILE)
         model = parse_robot(robot_description())

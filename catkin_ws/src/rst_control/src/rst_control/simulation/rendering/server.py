@@ -8,12 +8,11 @@ import signal
 import sys
 from contextlib import suppress
 from multiprocessing.connection import Connection
-from pathlib import Path
 
 from rst_control.simulation.rendering.state import SceneSetup
+from typed_config.priority import set_priority
 
-NICENESS = 15  # of drawing: what moves the robot goes first
-AUTOGROUP = Path("/proc/self/autogroup")  # Linux weighs sessions first, then processes in them
+NICE = 15  # of drawing: what moves the robot goes first
 
 
 def serve(pipe: Connection) -> None:
@@ -46,9 +45,7 @@ def _lower_priority() -> None:
     """Let what moves the robot go first, also where it started this process."""
     with suppress(PermissionError, AttributeError):
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-    os.nice(NICENESS)
-    with suppress(OSError):  # its session is not weighed on this kernel
-        AUTOGROUP.write_text(str(NICENESS), encoding="ascii")
+    set_priority(NICE)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # a closed pipe ends it, not Ctrl-C
 
 

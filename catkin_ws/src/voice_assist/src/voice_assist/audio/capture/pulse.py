@@ -99,7 +99,7 @@ class PulseStream:
             command,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
-            start_new_session=True,
+            process_group=0,  # not that of Ctrl-C; in the session, which is to hear first
             env={**os.environ, "LC_ALL": "C"},
         )
         self._source, self._on_block, self._channels = source, on_block, channels

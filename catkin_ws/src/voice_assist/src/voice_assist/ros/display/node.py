@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import asyncio
-import os
 import sys
 import time
 from contextlib import AsyncExitStack, suppress
@@ -15,6 +14,7 @@ from std_msgs.msg import Bool, String
 
 from rst_control.msg import ControllerState
 from typed_config import ConfigError, load_config
+from typed_config.priority import set_priority
 from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
 from typed_config.ros.xmlrpc import FAILURES, parameter
@@ -202,8 +202,7 @@ async def serve(config: DisplayConfig) -> None:
 
 def main() -> None:
     """Run the display node."""
-    with suppress(OSError):
-        os.setpriority(os.PRIO_PROCESS, 0, NICE)
+    set_priority(NICE)
     with starting("display", __doc__, needs_clock=False):
         config = private_settings(DisplayConfig, FILE)
         believed_config(rospy.get_param("~believed", None))

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A node's priority is that of its session too, as Linux weighs sessions first."""
+
+import os
+import pty
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from typed_config import priority
+
+SET = """
+import os
+from pathlib import Path
+from typed_config.priority import set_priority
+words = set_priority(19)
+group = Path("/proc/self/autogroup")
+print(words, os.getpriority(os.PRIO_PROCESS, 0), group.read_text().split()[-1])
+"""
+REFUSED = """
+import os
+from typed_config.priority import set_priority
+os.setuid(65534)
+print(set_priority(-20), os.getpriority(os.PRIO_PROCESS, 0))
+"""
+HAS_GROUPS = pytest.mark.skipif(
+    not priority.AUTOGROUP.is_file(), reason="this kernel does not weigh sessions"
+)
+
+
+def said(script, **options):
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    done = subprocess.run(
+        [sys.executable, "-c", script], env=env, stdout=subprocess.PIPE, text=True, **options
+    )
+    assert done.returncode == 0
+    return done.stdout.split()
+
+
+@HAS_GROUPS
+def test_a_node_that_gives_way_does_so_with_its_session():
+    assert said(SET, start_new_session=True) == ["True", "19", "19"]
+
+
+@HAS_GROUPS
+def test_the_session_of_a_person_at_a_terminal_stays_as_it_is():
+    ours, theirs = pty.openpty()
+
+    def log_in():
+        os.setsid()
+        os.close(os.open(os.ttyname(theirs), os.O_RDWR))  # it becomes the session's terminal
+
+    try:
+        assert said(SET, preexec_fn=log_in) == ["True", "19", "0"]
+    finally:
+        os.close(ours)
+        os.close(theirs)
+
+
+def test_a_kernel_that_does_not_weigh_sessions_is_no_failure(monkeypatch, tmp_path):
+    monkeypatch.setattr(priority, "AUTOGROUP", tmp_path / "none" / "autogroup")
+    monkeypatch.setattr(priority, "TERMINAL", tmp_path / "no_terminal")
+    priority.weigh_session(10)
+    assert not Path(tmp_path / "none").exists()
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can become somebody else")
+def test_who_may_not_go_first_is_told_so_and_goes_on_as_before():
+    assert said(REFUSED, start_new_session=True) == ["False", str(os.getpriority(0, 0))]
