@@ -18,6 +18,7 @@ from typing import Final
 TASKS: Final = Path("/proc/self/task")
 PROCESSORS: Final = Path("/proc/stat")
 _NANO: Final = 1e-9
+_LONGEST: Final = 4096  # bytes of a record
 _STOLEN: Final = 8  # the word of a processor's line that counts what the host took [ticks]
 
 Waits = Mapping[str, float]  # thread or processor and how long it has waited in its life [s]
@@ -29,11 +30,10 @@ def waits(tasks: Path = TASKS) -> dict[str, float]:
     Empty where the kernel does not count: then all time counts as time that could have been used.
     """
     found = {}
-    with suppress(OSError):
-        for task in tasks.iterdir():
+    with suppress(OSError), os.scandir(tasks) as entries:
+        for task in entries:
             with suppress(OSError, ValueError, IndexError):  # it has ended, or nothing is counted
-                words = (task / "schedstat").read_text(encoding="ascii").split()
-                found[task.name] = int(words[1]) * _NANO
+                found[task.name] = int(_read(f"{task.path}/schedstat").split()[1]) * _NANO
     return found
 
 
@@ -101,6 +101,15 @@ class HangWatch:
         if used <= self._allowed:
             return ""
         return f"recognition hangs: {used:.2f} s on one frame, allowed {self._allowed:g} s"
+
+
+def _read(path: str) -> bytes:
+    """A small file of the kernel; in a quarter of the time of pathlib, some 40 times a frame."""
+    file = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        return os.read(file, _LONGEST)
+    finally:
+        os.close(file)
 
 
 def _longest(before: Waits, after: Waits) -> float:
