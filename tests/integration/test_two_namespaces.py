@@ -12,6 +12,7 @@ from tests.support.ros_host import ASK, Host
 SIDES = ("left", "right")
 QUIET = {"voice": "false", "alarms": "false"}
 STATE, URDF = "/rst_control/state", "/robot_description"
+RECORDED = (STATE, URDF, "/joint_states", "/rst_control/event")
 SHARED = {"/rosout", "/diagnostics", "/tf", "/tf_static"}
 
 
@@ -26,6 +27,10 @@ def sessions(tmp_path_factory):
             host.launch("system", {"ROS_NAMESPACE": side}, sessions=folder, session=side, **QUIET)
         for side in SIDES:
             wait_until(lambda side=side: host.is_found(f"/{side}/rst_control/command"), every=ASK)
+        for side in SIDES:  # a recorder finds topics one after the other
+            topics = [f"/{side}{topic}" for topic in RECORDED]
+            recorder = f"/{side}/recorder"
+            wait_until(lambda who=recorder, what=topics: host.hears(who, *what), every=ASK)
         wait_until(lambda: "accepted: True" in host.give("hey robot", "/left"), every=0.5)
         assert "in standby" in host.give("tense", "/right")
     finally:
@@ -46,7 +51,7 @@ def test_a_recording_has_the_names_and_the_nodes_of_its_system_alone(sessions, s
     topics = {}
     for message in sessions[side].messages():
         topics.setdefault(message.source.topic, set()).add(message.source.publisher)
-    assert {STATE, URDF, "/joint_states", "/rst_control/event", *SHARED} <= set(topics)
+    assert {*RECORDED, *SHARED} <= set(topics)
     other = [topic for topic in topics if topic.startswith(("/left", "/right"))]
     names = set().union(*topics.values()) - {"", "/rosout"}
     names = {name for name in names if not name.startswith("/rosservice_")}  # a call by hand

@@ -76,6 +76,12 @@ class Host:
     def is_found(self, service):
         return bool(self._asked(self.master.lookupService, service))
 
+    def hears(self, node, *topics):
+        """Whether a node has subscribed to all these topics."""
+        state = self._asked(self.master.getSystemState) or ((), (), ())
+        subscribers = dict(state[1])
+        return all(node in subscribers.get(topic, ()) for topic in topics)
+
     def wait_for_nodes(self):
         """Wait until the first node of a launch is there; all parameters are set by then."""
         wait_until(lambda: self.nodes() - CORE, "the first node", 2 * PATIENCE, every=ASK)
