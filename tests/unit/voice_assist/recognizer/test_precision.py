@@ -10,10 +10,19 @@ from support.theatre_sound import speak
 from voice_assist.assembly import _over_talk
 from voice_assist.config import CONFIG_DIR, load_voice_config
 from voice_assist.errors import ModelError
+from voice_assist.profile.active import PersonalRecognizer
 from voice_assist.recognizer.checkpoint import EMBEDDED_PATH, read_checkpoint
-from voice_assist.recognizer.embedded import EmbeddedRecognizer
-from voice_assist.recognizer.precision import AUTO, BFLOAT16, FLOAT32, dtype_for, quick
+from voice_assist.recognizer.embedded import EmbeddedRecognizer, _Listening
+from voice_assist.recognizer.precision import (
+    AUTO,
+    BFLOAT16,
+    FLOAT32,
+    dtype_for,
+    in_one_call,
+    quick,
+)
 from voice_assist.spotter.overlap import WINDOW, read_overlap
+from voice_assist.types import frozen_samples
 
 COMMANDS = load_voice_config(CONFIG_DIR).commands.fixed_phrases
 in_bfloat16 = pytest.mark.skipif(
@@ -119,3 +128,45 @@ def test_the_spotter_over_talk_scores_the_same():
         before, after = exact(sound)[0], rounded(sound)[0]
     assert float(before.max()) > 3.0
     torch.testing.assert_close(after, before, atol=0.2, rtol=0.02)
+
+
+@pytest.fixture(scope="module")
+def in_single():
+    return EmbeddedRecognizer("x", read_checkpoint(EMBEDDED_PATH), dtype=torch.float32)
+
+
+@pytest.mark.parametrize("samples", [6400, 8001, 16_000, 40_000])
+def test_what_is_heard_in_one_call_is_the_same_to_the_last_bit(in_single, samples):
+    sound = 0.1 * torch.randn(1, samples, generator=torch.Generator().manual_seed(samples))
+    with torch.inference_mode():
+        one_by_one = list(_Listening(in_single.network)(sound))
+        in_one = list(in_single._listening(sound))
+    assert isinstance(in_single._listening, torch.jit.ScriptModule)
+    assert len(in_one) == len(one_by_one) > 3
+    assert all(map(torch.equal, in_one, one_by_one))
+
+
+@pytest.mark.parametrize("windows", [1, 2, 4])
+def test_so_is_the_opinion_on_any_number_of_windows_over_talk(windows):
+    network = read_overlap()[0]
+    in_one = in_one_call(network, torch.float32, torch.zeros(1, WINDOW))
+    generator = torch.Generator().manual_seed(windows)
+    with torch.inference_mode():
+        sound = 0.1 * torch.randn(windows, WINDOW, generator=generator)
+        assert all(map(torch.equal, in_one(sound), network(sound)))
+
+
+def test_maps_in_bfloat16_are_called_one_by_one():
+    network = nn.Linear(4, 4)
+    assert in_one_call(network, torch.bfloat16, torch.zeros(1, 4)) is network
+
+
+def test_a_profile_is_heard_by_its_own_weights(in_single):
+    state = {name: 1.5 * weight for name, weight in in_single.model.ctc.state_dict().items()}
+    own = PersonalRecognizer(in_single, {f"ctc.{name}": w for name, w in state.items()})
+    sound = frozen_samples(0.1 * np.random.default_rng(0).standard_normal(16_000))
+    with torch.inference_mode():
+        base, personal = in_single._listen(sound), own._listen(sound)
+        expected = own.network.ctc_logprobs(base.states)[0]
+        assert in_single._listen(sound) is base  # one does not forget what the other hears
+    assert torch.equal(personal.ctc, expected) and not torch.equal(personal.ctc, base.ctc)

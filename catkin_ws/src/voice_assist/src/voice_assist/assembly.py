@@ -25,7 +25,7 @@ from voice_assist.vad.detector import make_detector
 if TYPE_CHECKING:
     from voice_assist.recognizer.recognizer import Recognizer
     from voice_assist.speaker.gate import Gate
-    from voice_assist.spotter.overlap import OverlapNetwork
+    from voice_assist.spotter.overlap import WindowNetwork
     from voice_assist.spotter.spotter import Spotter, Spotting
 
 KERNEL_CACHE = "ONEDNN_PRIMITIVE_CACHE_CAPACITY"
@@ -129,12 +129,15 @@ def make_spotters(config: VoiceConfig) -> tuple[Spotting, str]:
 
 
 @cache
-def _over_talk(precision: str) -> tuple[OverlapNetwork, str]:
-    from voice_assist.recognizer.precision import dtype_for, quick
-    from voice_assist.spotter.overlap import read_overlap
+def _over_talk(precision: str) -> tuple[WindowNetwork, str]:
+    import torch
+
+    from voice_assist.recognizer.precision import dtype_for, in_one_call, quick
+    from voice_assist.spotter.overlap import WINDOW, read_overlap
 
     network, digest = read_overlap()
-    return quick(network, dtype_for("cpu", precision)), digest
+    dtype = dtype_for("cpu", precision)
+    return in_one_call(quick(network, dtype), dtype, torch.zeros(1, WINDOW)), digest
 
 
 def make_pipeline(

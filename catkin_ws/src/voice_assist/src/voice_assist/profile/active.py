@@ -20,7 +20,6 @@ from voice_assist.profile.profile import (
     profiles_folder,
 )
 from voice_assist.recognizer.embedded import EmbeddedRecognizer
-from voice_assist.recognizer.precision import quick
 from voice_assist.speaker.voiceprint import FILE
 
 if TYPE_CHECKING:
@@ -162,7 +161,6 @@ class PersonalRecognizer(EmbeddedRecognizer):
         self.model = copy.deepcopy(base.model)
         self.model.load_state_dict(state, strict=False)
         self.model.eval()
-        self.network = quick(self.model, self._dtype)
-        self._newest = None  # what the base heard last was encoded by the base
+        self._adapted()
         self._verifier = None  # it would refuse the very accent that was learned
         self.profile, self.profile_digest = profile, digest

@@ -8,14 +8,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 from whisper.audio import HOP_LENGTH
 
 from voice_assist.recognizer.checkpoint import Checkpoint
 from voice_assist.recognizer.ctc import greedy_text
 from voice_assist.recognizer.hybrid import Memory, WhisperCtc, encode_lower, encode_upper
 from voice_assist.recognizer.mel import log_mel
-from voice_assist.recognizer.precision import STEP, dtype_for, quick
+from voice_assist.recognizer.precision import STEP, dtype_for, in_one_call, quick
 from voice_assist.recognizer.recognizer import SHORTEST, drop_hallucination, is_same
 from voice_assist.recognizer.scoring import ctc_likelihoods, decoder_likelihoods, ratios
 from voice_assist.recognizer.verification import BLOCKS, PhraseVerifier
@@ -48,6 +48,21 @@ class _Listened:
     draft: str
     memory: Memory  # of the states
     readings: dict[tuple[int, ...], Tensor] = field(default_factory=dict)  # by letters
+
+
+class _Listening(nn.Module):
+    """All that is made of a sound before the decoder reads it."""
+
+    def __init__(self, network: WhisperCtc) -> None:
+        super().__init__()
+        self._network = network
+
+    def forward(self, sound: Tensor) -> tuple[Tensor, ...]:
+        """Of a sound, shape (1, n): hidden, states and ctc as `_Listened`, then the memory."""
+        network = self._network
+        hidden = encode_lower(network.whisper.encoder, log_mel(sound), BLOCKS)
+        states = encode_upper(network.whisper.encoder, hidden, BLOCKS)
+        return hidden, states, network.ctc_logprobs(states), *network.remember(states).values()
 
 
 class EmbeddedRecognizer:
@@ -84,10 +99,19 @@ class EmbeddedRecognizer:
         self.name, self.model_hash = name, checkpoint.sha256
         self.model = restore(checkpoint).to(device).eval()
         self._dtype = dtype or dtype_for(device)
-        self.network = quick(self.model, self._dtype)
         self._device = device
+        self._adapted()
         self._verifier = verifier
-        self._newest: _Listened | None = None
+
+    def _adapted(self) -> None:
+        """Listen by the weights that the model has now."""
+        self.network = quick(self.model, self._dtype)
+        before_reading = _Listening(self.network)
+        example = torch.zeros(1, MIN_FRAMES * HOP_LENGTH, device=self._device)
+        self._listening = in_one_call(before_reading, self._dtype, example)
+        with torch.inference_mode():
+            self._kept_by = list(self.network.remember(before_reading(example)[1]))
+        self._newest: _Listened | None = None  # another network's would be of other weights
 
     def transcribe(self, samples: Samples, is_hopeless: IsHopeless = never_hopeless) -> Hypothesis:
         """Text of the sound; see Recognizer."""
@@ -135,13 +159,11 @@ class EmbeddedRecognizer:
         heard = np.array(samples[-int(LONGEST * RATE) :], dtype=np.float32)
         missing = MIN_FRAMES * HOP_LENGTH - len(heard)
         heard = np.pad(heard, (0, max(missing, 0)))
-        mel = log_mel(torch.from_numpy(heard)[None].to(self._device))
-        hidden = encode_lower(self.network.whisper.encoder, mel, BLOCKS)
-        states = encode_upper(self.network.whisper.encoder, hidden, BLOCKS)
-        ctc = self.network.ctc_logprobs(states)[0]
-        draft = greedy_text(ctc.cpu().numpy())
-        memory = self.network.remember(states)
-        self._newest = _Listened(samples, hidden, states, ctc, draft, memory)
+        sound = torch.from_numpy(heard)[None].to(self._device)
+        hidden, states, ctc, *kept = self._listening(sound)
+        draft = greedy_text(ctc[0].cpu().numpy())
+        memory = dict(zip(self._kept_by, kept, strict=True))
+        self._newest = _Listened(samples, hidden, states, ctc[0], draft, memory)
         return self._newest
 
     def _read(self, heard: _Listened, ids: Sequence[int]) -> Tensor:

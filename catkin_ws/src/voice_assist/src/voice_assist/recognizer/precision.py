@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import copy
+import warnings
 from itertools import chain, pairwise
 from typing import TypeVar
 
@@ -18,6 +19,7 @@ AUTO, BFLOAT16, FLOAT32 = PRECISIONS
 Network = TypeVar("Network", bound=nn.Module)
 
 _ROWS = 128  # for which oneDNN lays weights out: 2.6 s of sound; others are as right
+_FIRST = 2  # calls of a recorded network, in which it is made ready; each takes three times as long
 STEP = 16  # rows; oneDNN compiles for each number of them anew, and keeps 200 MB if all occur
 
 
@@ -64,6 +66,28 @@ def quick(network: Network, dtype: torch.dtype) -> Network:
         if isinstance(module, nn.Sequential):
             _join(module)
     return twin
+
+
+def in_one_call(network: nn.Module, dtype: torch.dtype, example: Tensor) -> nn.Module:
+    """The same network, whose operations Python no longer calls one by one.
+
+    Each call would give Python's lock to another thread of the node, and wait to get it back. The
+    operations stay the same, and so does every bit of what they give. In bfloat16 the network
+    itself is returned: its maps pad their rows by a count that a recorded call would keep.
+
+    Args:
+        network: In float32 or bfloat16, for inference; what it computes depends on tensors alone.
+        dtype: What `quick` was given.
+        example: An input; later ones may be longer or shorter, and more or fewer.
+    """
+    if dtype != torch.float32:
+        return network
+    with torch.inference_mode(), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that shapes might be kept: tests compare other lengths
+        recorded: nn.Module = torch.jit.trace(network, (example,), check_trace=False)
+        for _ in range(_FIRST):
+            recorded(example)
+    return recorded
 
 
 def _join(layers: nn.Sequential) -> None:

@@ -35,6 +35,7 @@ _FRAME, _STANDS_OUT = 320, 2.0  # samples; ratio of powers
 _WIDE, _NARROW, _REACH = 128, 64, 5  # channels and width of the convolutions
 
 Windows = NDArray[np.float32]
+WindowNetwork = Callable[[Tensor], tuple[Tensor, Tensor]]  # as `OverlapNetwork`
 
 
 class OverlapNetwork(nn.Module):
@@ -161,7 +162,7 @@ def is_steady(window: Windows) -> bool:
     return float(power.max()) <= _STANDS_OUT * float(np.quantile(power, 0.2))
 
 
-def overlap_scorer(network: OverlapNetwork) -> Callable[[Windows], float]:
+def overlap_scorer(network: WindowNetwork) -> Callable[[Windows], float]:
     """Log-odds [nat] of a window, shape (1, WINDOW); steady sound costs no pass of the network."""
 
     def score(window: Windows) -> float:
@@ -179,7 +180,7 @@ class SoundScorer:
     Its windows end 0.24 s apart, and where it is asked. Before the sound there is silence.
     """
 
-    def __init__(self, network: OverlapNetwork) -> None:
+    def __init__(self, network: WindowNetwork) -> None:
         """Ask that network."""
         self._network = network
         self.restart()
