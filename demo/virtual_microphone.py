@@ -11,8 +11,10 @@ import time
 from pathlib import Path
 
 from support.process_groups import start_group
+from typed_config.priority import weigh_session
 
 START_TIME = 8.0  # [s] allowed for the server to answer
+NICE = -20  # of server and player, where root runs them: a surgeon's voice waits for no processor
 
 
 class VirtualMicrophone:
@@ -54,6 +56,7 @@ class VirtualMicrophone:
         self._server = start_group(
             command, env=env, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
+        weigh_session(NICE, self._server.pid)
         try:
             self._wait_until_it_answers()
         except BaseException:  # Ctrl-C too
@@ -72,11 +75,13 @@ class VirtualMicrophone:
             ahead_ms: Sound that the server holds ready [ms]; too little for a busy machine, and
                 there are gaps in it.
         """
-        return subprocess.Popen(
+        player = subprocess.Popen(
             ["paplay", f"--latency-msec={ahead_ms}", f"--device={self._sink}", str(wav)],
             env={**os.environ, **self.environment},
             start_new_session=True,
         )
+        weigh_session(NICE, player.pid)
+        return player
 
     def _wait_until_it_answers(self) -> None:
         deadline = time.monotonic() + self._start_time

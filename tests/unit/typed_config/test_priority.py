@@ -59,6 +59,20 @@ def test_the_session_of_a_person_at_a_terminal_stays_as_it_is():
         os.close(theirs)
 
 
+@HAS_GROUPS
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root may ask for more than others get")
+def test_the_session_of_another_process_is_weighed_alone():
+    other = subprocess.Popen(["sleep", "60"], start_new_session=True)
+    before = priority.AUTOGROUP.read_text().split()[-1]
+    try:
+        priority.weigh_session(-7, other.pid)
+        assert Path(f"/proc/{other.pid}/autogroup").read_text().split()[-1] == "-7"
+        assert priority.AUTOGROUP.read_text().split()[-1] == before
+    finally:
+        other.kill()
+        other.wait()
+
+
 def test_a_kernel_that_does_not_weigh_sessions_is_no_failure(monkeypatch, tmp_path):
     monkeypatch.setattr(priority, "AUTOGROUP", tmp_path / "none" / "autogroup")
     monkeypatch.setattr(priority, "TERMINAL", tmp_path / "no_terminal")

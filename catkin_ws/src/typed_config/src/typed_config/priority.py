@@ -35,11 +35,19 @@ def set_priority(nice: int) -> bool:
     return True
 
 
-def weigh_session(nice: int) -> None:
-    """Set the priority of this session, unless a person works in it at a terminal."""
-    if not _has_terminal():
-        with suppress(OSError):  # not allowed, or a kernel without groups of sessions
-            AUTOGROUP.write_text(str(nice), encoding="ascii")
+def weigh_session(nice: int, process: int | None = None) -> None:
+    """Set the priority of a session.
+
+    Args:
+        nice: From -20, which goes first, to 19.
+        process: One of the session; None: this session is meant, which stays as it is where a
+            person works in it at a terminal.
+    """
+    if process is None and _has_terminal():
+        return
+    group = AUTOGROUP if process is None else Path(f"/proc/{process}/autogroup")
+    with suppress(OSError):  # not allowed, or a kernel without groups of sessions
+        group.write_text(str(nice), encoding="ascii")
 
 
 def _has_terminal() -> bool:
