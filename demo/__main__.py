@@ -29,6 +29,7 @@ from demo.virtual_microphone import VirtualMicrophone
 from rst_control.simulation.rendering.window import window_obstacle
 from support.interrupt import end_as_by_ctrl_c
 from support.launched_system import System
+from support.machine import hearing_obstacle
 from support.process_groups import end_group
 from support.theatre_sound import RATE
 from typed_config import ConfigError, newest_recording, numbered_recordings
@@ -58,6 +59,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     if options.gui and (obstacle := window_obstacle()):
         console.print(f"[red]The demo could not run:[/red] {obstacle}")
         return 1
+    if slow := hearing_obstacle():
+        console.print(f"[yellow]Steps may fail:[/yellow] {slow}")
     try:
         script = load_script(options.script or SCRIPTS[options.robot])
     except ConfigError as error:

@@ -133,7 +133,7 @@ def _compile_kernels() -> None:
 
 
 def _systems_at_once() -> int:
-    """How many systems the cores carry: on slow ones the loops of two leave nothing for the rest."""
+    """How many systems the cores carry: on slow ones two would leave nothing for the rest."""
     began = time.monotonic()
     for robot in [_move_robot() for _ in range(SYSTEMS)]:
         robot.wait()

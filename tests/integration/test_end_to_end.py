@@ -22,6 +22,7 @@ from session_log.mcap_file.reader import SessionReader
 from session_log.mcap_file.summary import read_summary
 from session_log.recording import metadata
 from support.browser import MISSING, find_browser
+from support.machine import hearing_obstacle
 from support.waiting import wait_until
 from tests.integration.heeding import heed
 from tests.support.recorded_topics import ON_REQUEST, TYPES
@@ -44,6 +45,8 @@ def messages(mcap, *topics):
 
 @pytest.fixture(scope="module")
 def session(tmp_path_factory):
+    if obstacle := hearing_obstacle():
+        pytest.skip(obstacle)
     folder = tmp_path_factory.mktemp("session")
     done = subprocess.run(
         [*COMMAND, "--out", str(folder)],
