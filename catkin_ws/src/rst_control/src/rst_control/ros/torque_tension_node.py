@@ -17,6 +17,7 @@ from rst_control.config import SceneConfig
 from rst_control.config.torque_tension import TorqueTensionConfig
 from rst_control.errors import RstError
 from rst_control.ros.common.exposure_warning import warn_of_listeners
+from rst_control.ros.common.priority import ask_for_priority
 from rst_control.tension.clock_offset import SentTimes
 from rst_control.tension.torque_estimator import TensionEstimate, TorqueTension
 from rst_control.types import BASE, JOINTS, Measurement, Vector
@@ -150,6 +151,7 @@ def main() -> None:
         config = load_config(TorqueTensionConfig, settings, "torque_tension parameters")
         node = TorqueTensionNode(config, robot_description(), scene)
     warn_of_listeners()
+    ask_for_priority()  # a tension that comes late stops the robot
     pace = 1.0 / config.rate
     while not rospy.is_shutdown():
         node.known.publish_status()
