@@ -59,8 +59,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     if options.gui and (obstacle := window_obstacle()):
         console.print(f"[red]The demo could not run:[/red] {obstacle}")
         return 1
-    if slow := hearing_obstacle():
-        console.print(f"[yellow]Steps may fail:[/yellow] {slow}")
     try:
         script = load_script(options.script or SCRIPTS[options.robot])
     except ConfigError as error:
@@ -135,6 +133,8 @@ def _session(
             source = {"source": "microphone", "device": microphone.device}
         else:
             source = {"source": "wav", "wav": wav}
+        if slow := hearing_obstacle():
+            console.print(f"[yellow]Steps may fail:[/yellow] {slow}")
         console.print(f"Starting the system (log: {folder / 'launch.log'})")
         source |= {"display": True, "display_port": "0"}  # any that is free
         if script.has_devices:
