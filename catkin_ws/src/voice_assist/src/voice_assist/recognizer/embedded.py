@@ -106,11 +106,11 @@ class EmbeddedRecognizer:
     def _adapted(self) -> None:
         """Listen by the weights that the model has now."""
         self.network = quick(self.model, self._dtype)
-        before_reading = _Listening(self.network)
         example = torch.zeros(1, MIN_FRAMES * HOP_LENGTH, device=self._device)
-        self._listening = in_one_call(before_reading, self._dtype, example)
+        self._listening = in_one_call(_Listening(self.network), self._dtype, example)
+        one_state = torch.zeros(1, 1, self.network.dims.n_audio_state, device=self._device)
         with torch.inference_mode():
-            self._kept_by = list(self.network.remember(before_reading(example)[1]))
+            self._kept_by = list(self.network.remember(one_state))  # in the order of `_Listening`
         self._newest: _Listened | None = None  # another network's would be of other weights
 
     def transcribe(self, samples: Samples, is_hopeless: IsHopeless = never_hopeless) -> Hypothesis:

@@ -72,15 +72,16 @@ def in_one_call(network: nn.Module, dtype: torch.dtype, example: Tensor) -> nn.M
     """The same network, whose operations Python no longer calls one by one.
 
     Each call would give Python's lock to another thread of the node, and wait to get it back. The
-    operations stay the same, and so does every bit of what they give. In bfloat16 the network
-    itself is returned: its maps pad their rows by a count that a recorded call would keep.
+    operations stay the same, and so does every bit of what they give. In bfloat16, and on another
+    device than the processor, the network itself is returned. The maps in bfloat16 pad their rows
+    by a count that a recorded call would keep.
 
     Args:
         network: In float32 or bfloat16, for inference; what it computes depends on tensors alone.
         dtype: What `quick` was given.
         example: An input; later ones may be longer or shorter, and more or fewer.
     """
-    if dtype != torch.float32:
+    if dtype != torch.float32 or example.device.type != "cpu":
         return network
     with torch.inference_mode(), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # that shapes might be kept: tests compare other lengths
