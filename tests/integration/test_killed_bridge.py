@@ -24,8 +24,9 @@ JUMPS = {"both": (30.0,), "robot": (30.0, -3.0)}  # [s]
 def arm(tmp_path_factory):
     """Host, launch, and files that set the wall clocks of the bridge and of all other nodes."""
     folder = tmp_path_factory.mktemp("arm")
-    clocks = {name: folder / name for name in ("kinova_bridge", "others")}
-    variables = clock_of(clocks["others"], kinova_bridge=clocks["kinova_bridge"])
+    clocks = {"both": folder / "both", "robot": folder / "kinova_bridge"}
+    others = folder / "others"
+    variables = clock_of(clocks["both"], others, kinova_bridge=clocks["robot"])
     with closing(Host(folder)) as host:
         host.start_master()
         host.launch(
@@ -47,7 +48,7 @@ def arm(tmp_path_factory):
             **TROCAR,
             **LEFT_OUT,
         )
-        yield SimpleNamespace(host=host, launch=launch, clocks=clocks.values())
+        yield SimpleNamespace(host=host, launch=launch, clocks=clocks)
 
 
 def test_a_kinova_arm_is_led_by_the_steady_clock(arm, tmp_path):
@@ -56,6 +57,7 @@ def test_a_kinova_arm_is_led_by_the_steady_clock(arm, tmp_path):
     assert Counter(one["whose"] for one in found) == {"both": 2, "robot": 4}
     for one in found:
         assert one["drift"] < 1e-4 and one["rcm"] < 1e-3, one
+    assert found[0]["whose"] == "both" and found[0]["state"] in ("moving", "active"), found[0]
 
 
 def test_the_arm_is_stopped_and_the_launch_ends(arm, tmp_path):

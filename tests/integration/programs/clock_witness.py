@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Sets the wall clock of running nodes in mid-motion, and writes down what the robot did.
 
-Arguments: the jumps of each clock in JSON, the files that say how far the clocks of robot and
-controller are off (`other_clock`), and the file to write. A tool that has to be homed is homed.
+Arguments: the jumps of each clock in JSON; by the same names the files that say how far each is off
+(`other_clock`), in JSON; and the file to write. A tool that has to be homed is homed.
 """
 
 import json
@@ -18,14 +18,13 @@ from sensor_msgs.msg import JointState
 from rst_control.types import ARM_COUNT
 from tests.support.robot_client import MOVING, RobotClient
 
-WHOSE = {"both": (1.0, 1.0), "robot": (1.0, 0.0), "controller": (0.0, 1.0)}  # shares of a jump
 RESTING = 1e-4  # [rad] in half a second
 WATCHED = 1.0  # [s] after that, twice as long as the oldest joint states that are believed
 
 
 def main() -> None:
     jumps_of = json.loads(sys.argv[1])  # [s] each in a motion, and back again at rest
-    *clocks, results = map(Path, sys.argv[2:])
+    clocks, results = json.loads(sys.argv[2]), Path(sys.argv[3])
     rospy.init_node("clock_witness")
     seen = []
     rospy.Subscriber(
@@ -41,8 +40,7 @@ def main() -> None:
         robot.wait(lambda: robot.state.phase == "reach" and arm_speed(robot) > MOVING)
         for at in (jump, 0.0):
             seen.clear()
-            for clock, share in zip(clocks, WHOSE[whose], strict=True):
-                put_off(clock, share * at)
+            put_off(Path(clocks[whose]), at)
             time.sleep(WATCHED)
             found.append({"whose": whose, "jump": at or -jump, **after(robot, seen)})
     robot.start_fresh()

@@ -6,7 +6,7 @@ import json
 import pytest
 
 from rst_control.registration.trocar_context import Origin
-from rst_control.ros.controller.messages import RosClock
+from rst_control.ros.common.wall_clock import RosClock
 from rst_control.ros.controller.places import places_in_force as module
 from tests.unit.rst_control.support.executor_rig import Rig
 

@@ -13,6 +13,7 @@ from rst_control.kinova.bridge import Bridge
 from rst_control.kinova.config import load_kinova_config
 from rst_control.kinova.guard import StopGuard
 from rst_control.msg import BridgeBeat
+from rst_control.ros.common.wall_clock import RosClock
 from rst_control.ros.controller import node as controller_node
 from rst_control.ros.kinova import arm_report, bridge_node, guard_node, hardware
 from rst_control.ros.kinova.arm_report import FIRMWARE_TRIES, ArmFacts
@@ -243,7 +244,7 @@ def test_each_node_that_moves_the_robot_first_bounds_what_it_takes_in(monkeypatc
 def test_a_force_is_published_once_and_the_controller_judges_its_age():
     published, now, node = [], 100.0, object.__new__(KinovaBridgeNode)
     bridge = Bridge(load_kinova_config(), None)
-    node._bridge, node._told_force, node._offset = bridge, None, 0.0
+    node._bridge, node._told_force, node._clock = bridge, None, RosClock()
     node._tension = SimpleNamespace(
         publish=lambda message: published.append(message.wrench.force.z)
     )
@@ -260,7 +261,7 @@ def test_an_estimate_of_the_arms_own_torques_never_grows_too_old_for_the_control
     """Each state of the arm gives an estimate, but those that come too soon after one another."""
     watchdogs, published = kinova_motion().controller.watchdogs, []
     bridge, node = Bridge(load_kinova_config(), None), object.__new__(KinovaBridgeNode)
-    node._bridge, node._told_force, node._offset = bridge, None, 0.0
+    node._bridge, node._told_force, node._clock = bridge, None, RosClock()
     node._tension = SimpleNamespace(publish=lambda _: published.append(now))
     closest = (1.0 - SOONER) / load_torque_tension().rate
     late = np.random.default_rng(4).uniform(0.0, 0.004, 2000)  # [s] of each state

@@ -21,13 +21,14 @@ PERIOD = 0.002
 class Message:
     raw: bytes
     arrived: float
+    ahead: float = NOON
 
 
 class Link:
     """An assembler on a steady clock of its own."""
 
     def __init__(self):
-        self.now = 50.0
+        self.now, self.ahead = 50.0, NOON
         self.assembler = MeasurementAssembler(WATCHDOGS, lambda: self.now)
         self.assembler.gripped = False
 
@@ -37,7 +38,7 @@ class Link:
         velocity = np.zeros(len(names)) if velocity is None else velocity
         head = (1, int(seconds), round(rest * 1e9))
         raw = write_joint_state(head, names, position, velocity)
-        self.assembler.joints = Message(raw, self.now)
+        self.assembler.joints = Message(raw, self.now, self.ahead)
 
     def tension(self, force=0.0):
         raw = struct.pack("<4I", 1, 2, 3, 0) + struct.pack("<6d", force, 0, 0, 0, 0, 0)
@@ -114,7 +115,7 @@ def test_what_arrives_is_measured_with_both_clocks(link):
     measured = link.run(0.1, tension=0.5)
     assert (measured.connected, measured.fault, measured.tension) == (True, "", 0.5)
     assert measured.stamp == link.now
-    assert measured.sent == pytest.approx(NOON + link.now, abs=1e-6)
+    assert measured.sent == pytest.approx(link.now, abs=1e-6)
 
 
 def test_one_message_overtaken_by_another_is_refused_and_counted_and_no_fault(link):
@@ -156,6 +157,16 @@ def test_a_wall_clock_that_jumps_at_worst_loses_the_robot_for_a_moment(link, jum
     link.run(0.5, stamp=lambda now: NOON + now + jump)
     assert link.age() == 0.0
     assert link.assembler.measured().connected and link.assembler.measured().fault == ""
+
+
+@pytest.mark.parametrize("jump", [-5.0, -0.06, 0.06, 5.0])
+def test_of_a_clock_that_is_set_on_both_hosts_nothing_is_noticed(link, jump):
+    before = link.run(0.1)
+    link.ahead += jump
+    seen = [link.run(PERIOD, stamp=lambda now: now + link.ahead) for _ in range(150)]
+    assert all(one.connected and one.fault == "" for one in seen)
+    sent = np.diff([before.sent, *(one.sent for one in seen)])
+    np.testing.assert_allclose(sent, PERIOD, atol=1e-6)
 
 
 def test_while_the_wall_clock_is_back_the_robot_counts_as_lost_before_it_is_believed(link):

@@ -3,11 +3,14 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 
 import pytest
 
-from rst_control.ros.common.wall_clock import CLOCK_JUMP, READINGS, followed, wall_offset
+from rst_control.ros.common import wall_clock
+from rst_control.ros.common.wall_clock import CLOCK_JUMP, READINGS, RosClock, followed, wall_offset
+from rst_control.ros.simulator.messages import Stamper
 
 AHEAD = 1.7e9  # [s] that the wall clock is ahead
 
@@ -42,6 +45,20 @@ def test_a_jump_of_the_wall_clock_is_seen() -> None:
 def test_put_aside_every_time_it_is_wrong_by_no_more_than_half_of_that() -> None:
     wall, steady = clocks([0.0, 0.004] * READINGS)
     assert abs(wall_offset(wall, steady) - AHEAD) <= 0.0021
+
+
+@pytest.mark.parametrize("jump", [0.06, -0.06, 30.0])
+def test_two_nodes_agree_about_stamps_as_soon_as_the_clock_is_set(monkeypatch, jump) -> None:
+    """Each reads the clock for each stamp; their messages are never early or late meanwhile."""
+    sender, receiver, now = RosClock(), Stamper(is_real_time=True), time.monotonic()
+    before = sender.stamp(now).to_sec()
+    assert before - receiver.ahead() == pytest.approx(now, abs=CLOCK_JUMP)
+    monkeypatch.setattr(wall_clock, "wall_offset", lambda *_: wall_offset() + jump)
+    stamp = sender.stamp(now).to_sec()
+    assert stamp == pytest.approx(before + jump, abs=2 * CLOCK_JUMP)
+    assert stamp - receiver.ahead() == pytest.approx(now, abs=CLOCK_JUMP)
+    seconds, rest = receiver.split(now)
+    assert sender.steady(seconds + 1e-9 * rest) == pytest.approx(now, abs=CLOCK_JUMP)
 
 
 def test_only_a_change_beyond_the_limit_is_followed() -> None:

@@ -255,6 +255,13 @@ def test_a_clock_that_jumps_ahead_is_no_fault_of_the_joints(jump):
     assert first_objection(ramp(0.05), spoil=spoil)[0] == ""
 
 
+@pytest.mark.parametrize("jump", [-3600.0, -30.0, 0.6, 30.0])
+def test_a_clock_that_is_set_is_no_fault_where_messages_may_come_late(jump):
+    """What the times of arrival cannot explain is no time that joints had to move."""
+    spoil = from_sample(500, lambda m: replace(m, sent=m.sent + jump))
+    assert first_objection(ramp(0.8), spoil=spoil, joint_state_age=0.5)[0] == ""
+
+
 def test_a_robot_that_was_lost_may_come_back_anywhere():
     sensors = watch()
     pairs = list(measurements(STILL, 0.1))

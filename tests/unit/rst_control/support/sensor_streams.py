@@ -18,8 +18,10 @@ TOOL_STEP = 2.0 * np.pi / 3640  # [rad] of OpenRST's coarsest encoder, were it g
 STEPS = np.repeat([1e-5, TOOL_STEP], [7, 3])
 
 
-def watch():
-    return SensorWatch(SETTINGS, max_joint_speed(CONFIG.limits))
+def watch(**watchdogs):
+    """With other settings of the watchdogs."""
+    settings = replace(SETTINGS, watchdogs=replace(SETTINGS.watchdogs, **watchdogs))
+    return SensorWatch(settings, max_joint_speed(CONFIG.limits))
 
 
 def swing(rate, start=0.0):
@@ -58,9 +60,9 @@ def measurements(motion, seconds):
         )
 
 
-def first_objection(motion, seconds=2.0, spoil=lambda k, m: m):
+def first_objection(motion, seconds=2.0, spoil=lambda k, m: m, **watchdogs):
     """First objection and the time at which it came [s]; ("", inf) where none came."""
-    sensors = watch()
+    sensors = watch(**watchdogs)
     for k, (measured, setpoint) in enumerate(measurements(motion, seconds)):
         sensors.update(spoil(k, measured), setpoint, None)
         if sensors.objection:

@@ -59,7 +59,9 @@ class Measurement:
     connected: bool = True
     fault: str = ""  # as `robot_fault` reads it; empty: healthy
     tension_invalid_reason: str = ""  # why the force must not be relied on; empty: it may
-    sent: float | None = None  # [s] sender's clock, which may be set at any time; None: not known
+    sent: float | None = (
+        None  # [s] as `stamp`, when it was sent; wrong once a clock is set; None: not known
+    )
     sent_to: Vector | None = None  # (10,), [rad], where it holds while nobody leads; None: unknown
 
     def __post_init__(self) -> None:

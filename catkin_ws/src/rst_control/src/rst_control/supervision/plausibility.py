@@ -113,14 +113,15 @@ class SensorWatch:
     def _span(self, last: Measurement, measured: Measurement) -> float:
         """Time between two measurements [s].
 
-        By the robot's own stamps where it gives them, since messages come bunched; but by no more
-        than the steady clock at arrival can explain, since the robot's clock may be set meanwhile.
+        By the robot's own stamps where it gives them, since messages come bunched. What the times
+        of arrival cannot explain is a clock that was set meanwhile: then these count.
         It may be less than a period: of a robot that reports more often, the newest is taken.
         """
         arrived = measured.stamp - last.stamp
         if measured.sent is None or last.sent is None:
             return arrived
-        return min(max(measured.sent - last.sent, 0.0), arrived + self._longest)
+        sent = measured.sent - last.sent
+        return sent if 0.0 <= sent <= arrived + self._longest else arrived
 
     def _contradiction(
         self, last: Measurement, measured: Measurement, moved: Vector, span: float

@@ -15,6 +15,7 @@ class _Raw:
 
     raw = b""
     arrived = 0.0  # [s] steady clock
+    ahead = 0.0  # [s] wall clock less steady clock at that time, where the subscriber notes it
 
     def __init__(self) -> None:
         """Make none of the fields."""

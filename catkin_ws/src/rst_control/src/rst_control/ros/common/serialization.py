@@ -50,14 +50,18 @@ class JointStateReader:
         self._block = name_block(names)
         self._order: NDArray[np.intp] | None = None  # None: the names come in our order
         self._count = len(names)
-        self._last_stamp = -1.0
+        self._last_stamp = -np.inf
 
     def reset(self) -> None:
         """Forget the last stamp, as when the robot was lost: it may have another clock now."""
-        self._last_stamp = -1.0
+        self._last_stamp = -np.inf
 
-    def __call__(self, raw: bytes) -> JointSample:
+    def __call__(self, raw: bytes, ahead: float = 0.0) -> JointSample:
         """Read one message.
+
+        Args:
+            raw: Its bytes.
+            ahead: Clock of its stamp less the clock of the sample [s].
 
         Raises:
             BadMessage: It cannot be used.
@@ -73,7 +77,7 @@ class JointStateReader:
             if isinstance(error, BadMessage):
                 raise
             raise BadMessage("joint states cut short") from error
-        return self._checked(seconds + nanoseconds * 1e-9, position, velocity)
+        return self._checked(seconds + nanoseconds * 1e-9 - ahead, position, velocity)
 
     def _checked(
         self, stamp: float, position: NDArray[np.float64], velocity: NDArray[np.float64]

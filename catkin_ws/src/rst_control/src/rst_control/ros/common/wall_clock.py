@@ -15,6 +15,30 @@ READINGS = 3  # of which the one that took least time counts
 Clock = Callable[[], float]
 
 
+class RosClock:
+    """Translates the steady clock, which everything inside uses, into stamps of ROS and back.
+
+    The wall clock is read for every stamp. Two nodes that noticed at their own times that it was
+    set would meanwhile take each other's messages for late or early.
+    """
+
+    def __init__(self) -> None:
+        self._offset = wall_offset()
+
+    def ahead(self) -> float:
+        """Wall clock less steady clock [s]."""
+        self._offset = followed(self._offset)
+        return self._offset
+
+    def stamp(self, steady: float) -> rospy.Time:
+        """Stamp of a moment given by time.monotonic() [s]."""
+        return rospy.Time.from_sec(max(0.0, steady + self.ahead()))
+
+    def steady(self, stamp: float) -> float:
+        """Moment of a stamp [s], as time.monotonic() has it [s]."""
+        return stamp - self.ahead()
+
+
 def wall_offset(wall: Clock = time.time, steady: Clock = time.monotonic) -> float:
     """Wall clock less steady clock [s].
 

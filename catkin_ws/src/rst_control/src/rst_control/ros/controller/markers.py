@@ -10,7 +10,7 @@ from rst_control.config import MotionConfig
 from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.registration.trocar_context import ActiveTrocarContext
 from rst_control.ros.common.marker_topic import MarkerTopic
-from rst_control.ros.controller.messages import RosClock
+from rst_control.ros.common.wall_clock import RosClock
 from rst_control.visualization.controller_shapes import ControllerShapes
 
 PERIOD = 0.1  # [s] between two looks

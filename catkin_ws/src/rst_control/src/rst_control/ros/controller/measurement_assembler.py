@@ -3,8 +3,8 @@
 
 Age is measured by the steady clock at arrival: a stamp from the future keeps nothing fresh.
 Stamps of the robot have to advance: what is older than the last, or as old, counts as not having
-come. So where the robot's clock is set back, joint states grow stale, the robot counts as lost, and
-then as back; with a clock set forward nothing happens.
+come. Where the clock of both hosts is set, nothing happens. Where the robot's alone is set back,
+joint states grow stale, the robot counts as lost, and then as back.
 """
 
 from __future__ import annotations
@@ -38,6 +38,7 @@ class Arrived(Protocol):
 
     raw: bytes
     arrived: float  # [s] steady clock
+    ahead: float  # [s] wall clock less steady clock at that time
 
 
 class MeasurementAssembler:
@@ -98,7 +99,7 @@ class MeasurementAssembler:
 
     def _take(self, joints: Arrived) -> None:
         try:
-            sample = self._read(joints.raw)
+            sample = self._read(joints.raw, joints.ahead)
         except OutOfOrder as error:
             self.out_of_order += 1
             self._refused, self._why_refused = self._refused + 1, str(error)

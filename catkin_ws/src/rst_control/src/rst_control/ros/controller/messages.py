@@ -15,7 +15,7 @@ from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.msg import AssistFeedback, AssistResult, ControllerState
 from rst_control.msg import Event as EventMessage
 from rst_control.registration.trocar_context import ActiveTrocarContext
-from rst_control.ros.common.wall_clock import followed, wall_offset
+from rst_control.ros.common.wall_clock import RosClock
 from rst_control.types import BASE, LATCHED, Cause, Reason, Vector
 from typed_config.node_names import caller_name
 
@@ -24,23 +24,6 @@ def code_of(why: Cause | Reason | None) -> str:
     """A `reason_code` of the messages; empty: there is no reason."""
     reason = why.reason if isinstance(why, Cause) else why
     return "" if reason is None else str(reason.value)
-
-
-class RosClock:
-    """Translates the steady clock, which everything inside uses, into stamps of ROS."""
-
-    def __init__(self) -> None:
-        self._offset = wall_offset()
-
-    def stamp(self, steady: float) -> rospy.Time:
-        """Stamp of a moment given by time.monotonic() [s]."""
-        self._offset = followed(self._offset)
-        return rospy.Time.from_sec(max(0.0, steady + self._offset))
-
-    def steady(self, stamp: rospy.Time) -> float:
-        """Moment of a stamp, as time.monotonic() has it [s]."""
-        self._offset = followed(self._offset)
-        return float(stamp.to_sec() - self._offset)
 
 
 def state_message(

@@ -34,12 +34,13 @@ from rst_control.ros.common.exposure_warning import warn_of_listeners
 from rst_control.ros.common.other_provider import other_provider
 from rst_control.ros.common.priority import ask_for_priority
 from rst_control.ros.common.republisher import Due
+from rst_control.ros.common.wall_clock import RosClock
 from rst_control.ros.controller.control_loop import ControlLoop
 from rst_control.ros.controller.dead_man_link import DeadManLink
 from rst_control.ros.controller.diagnostics import Diagnostics
 from rst_control.ros.controller.liveness_watch import LivenessWatch
 from rst_control.ros.controller.markers import ControllerMarkers
-from rst_control.ros.controller.messages import RosClock, event_message, state_message
+from rst_control.ros.controller.messages import event_message, state_message
 from rst_control.ros.controller.places.frame_listener import FrameListener
 from rst_control.ros.controller.places.places_in_force import PlacesInForce
 from rst_control.ros.controller.places.tracker_link import TrackerLink

@@ -19,8 +19,8 @@ from rst_control.config.believed import BelievedConfig
 from rst_control.robot.backend import RobotBackend
 from rst_control.ros.common.raw_messages import RawJointState, RawWrench, WrittenJointState
 from rst_control.ros.common.serialization import write_joint_state
+from rst_control.ros.common.wall_clock import RosClock
 from rst_control.ros.controller.measurement_assembler import MeasurementAssembler
-from rst_control.ros.controller.messages import RosClock
 from rst_control.types import JOINTS, Measurement, Setpoint
 from typed_config.ros.known_publishers import KnownPublishers
 
@@ -95,6 +95,7 @@ class RobotLink(RobotBackend):
         self._clear.publish(Empty())
 
     def _on_joints(self, message: RawJointState) -> None:
+        message.ahead = self._clock.ahead()
         self._assembler.joints = message
 
     def _on_wrench(self, message: RawWrench) -> None:

@@ -27,7 +27,7 @@ from rst_control.ros.common.priority import ask_for_priority, spare_the_loop
 from rst_control.ros.common.raw_messages import RawJointState
 from rst_control.ros.common.republisher import Due, Repeated
 from rst_control.ros.common.serialization import BadMessage, JointStateReader
-from rst_control.ros.common.wall_clock import followed, wall_offset
+from rst_control.ros.common.wall_clock import RosClock
 from rst_control.ros.kinova.arm_report import ArmFacts
 from rst_control.ros.kinova.beat import beat_message
 from rst_control.ros.kinova.hardware import KinovaHardware
@@ -77,7 +77,7 @@ class KinovaBridgeNode:
         self._hardware = KinovaHardware(config.bridge, config.first_turns, self._known)
         torques = RestTorques(config.torques, description, config.scene.gravity)
         self._bridge = Bridge(config, self._hardware, torques)
-        self._offset, self._reader = wall_offset(), JointStateReader(JOINTS)
+        self._clock, self._reader = RosClock(), JointStateReader(JOINTS)
         self._jobs: deque[Callable[[], None]] = deque()
         self._published: Measurement | None = None
         self._told_force: Vector | None = None
@@ -184,19 +184,19 @@ class KinovaBridgeNode:
 
     def _on_setpoint(self, message: RawJointState) -> None:
         if len(self._jobs) < MAX_JOBS:
-            self._jobs.append(lambda: self._take(message.raw))
+            ahead = self._clock.ahead()
+            self._jobs.append(lambda: self._take(message.raw, ahead))
 
-    def _take(self, raw: bytes) -> None:
+    def _take(self, raw: bytes, ahead: float) -> None:
         self._reader.reset()  # the servo itself judges the order of stamps
         now = time.monotonic()
         try:
-            sample = self._reader(raw)
+            sample = self._reader(raw, ahead)
         except BadMessage as error:
             words = f"bad set-point: {error}"
             self._bridge.fail(Cause(Reason.SETPOINT_REFUSED, words).coded, now)
             return
-        stamp = sample.stamp - self._offset
-        self._bridge.servo_jp(Setpoint(sample.position, sample.velocity, stamp), now)
+        self._bridge.servo_jp(Setpoint(sample.position, sample.velocity, sample.stamp), now)
 
     def _on_tension(self, message: WrenchStamped) -> None:
         f, now = message.wrench.force, time.monotonic()
@@ -271,7 +271,7 @@ class KinovaBridgeNode:
         """Position, velocity and effort, each of shape (10,), at a moment [s]."""
         position, velocity, effort = (row.tolist() for row in rows)
         message = JointState(name=list(JOINTS), position=position, velocity=velocity, effort=effort)
-        message.header.stamp, message.header.frame_id = self._stamp(stamp), BASE
+        message.header.stamp, message.header.frame_id = self._clock.stamp(stamp), BASE
         return message
 
     def _publish_tension(self, now: float) -> None:
@@ -281,16 +281,12 @@ class KinovaBridgeNode:
             return
         self._told_force = force
         message = WrenchStamped()
-        message.header.stamp, message.header.frame_id = self._stamp(now), BASE
+        message.header.stamp, message.header.frame_id = self._clock.stamp(now), BASE
         f = message.wrench.force
         f.x, f.y, f.z = force.tolist()
         self._tension.publish(message)
 
-    def _stamp(self, steady: float) -> rospy.Time:
-        return rospy.Time.from_sec(steady + self._offset)
-
     def _diagnose(self) -> None:
-        self._offset = followed(self._offset)
         health, fault = self._bridge.take_health(), self._last_fault.last
         level = DiagnosticStatus.ERROR if fault else DiagnosticStatus.OK
         values = {

@@ -115,9 +115,10 @@ class SetpointInterface:
 
     def _on_setpoint(self, message: RawJointState) -> None:
         if len(self._jobs) < MAX_JOBS:
-            self._jobs.append(lambda: self._take(message.raw))
+            ahead = self._stamper.ahead()
+            self._jobs.append(lambda: self._take(message.raw, ahead))
 
-    def _take(self, raw: bytes) -> None:
+    def _take(self, raw: bytes, ahead: float) -> None:
         self._reader.reset()  # the servo itself judges the order of stamps
         try:
             sample = self._reader(raw)
@@ -126,6 +127,6 @@ class SetpointInterface:
             self._robot.fail(Cause(Reason.SETPOINT_REFUSED, words).coded)
             return
         known = self._is_real_time and sample.stamp > NO_STAMP
-        stamp = self._stamper.simulated(sample.stamp) if known else self._robot.now
+        stamp = sample.stamp - ahead if known else self._robot.now
         setpoint = Setpoint(sample.position, sample.velocity, stamp)
         self._commands.put(setpoint, self._robot.now)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rst_control.ros.common.raw_messages import WrittenJointState, WrittenWrench
 from rst_control.ros.common.serialization import name_block
-from rst_control.ros.common.wall_clock import followed, wall_offset
+from rst_control.ros.common.wall_clock import RosClock
 from rst_control.simulation.physics import JointReading
 from rst_control.types import BASE, JOINTS
 
@@ -20,29 +20,19 @@ _COUNT = struct.Struct("<I")
 
 
 class Stamper:
-    """Translates the simulator's time into stamps of ROS and back.
+    """Translates the simulator's time into stamps of ROS.
 
     In real time the simulator counts time.monotonic(), and stamps follow the wall clock; else
-    stamps are its own time.
+    stamps are its own time. `ahead` tells how far stamps are ahead of its time now [s].
     """
 
     def __init__(self, is_real_time: bool) -> None:
-        self._is_real_time = is_real_time
-        self._offset = wall_offset() if is_real_time else 0.0
-
-    def follow_wall_clock(self) -> None:
-        """Take over a jump of the wall clock, if there was one."""
-        if self._is_real_time:
-            self._offset = followed(self._offset)
+        self.ahead = RosClock().ahead if is_real_time else lambda: 0.0
 
     def split(self, now: float) -> tuple[int, int]:
         """Seconds and nanoseconds of the simulator's time."""
-        seconds, rest = divmod(now + self._offset, 1.0)
+        seconds, rest = divmod(now + self.ahead(), 1.0)
         return int(seconds), int(rest * 1e9)
-
-    def simulated(self, stamp: float) -> float:
-        """Simulator's time of a stamp [s]."""
-        return stamp - self._offset
 
 
 class StateWriter:

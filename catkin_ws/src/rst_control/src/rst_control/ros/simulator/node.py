@@ -153,7 +153,6 @@ class SimulatorNode:
         if self._clock is not None:
             self._clock.publish(Clock(rospy.Time(*self._stamper.split(self.robot.now))))
         if self._diagnostics.is_due():
-            self._stamper.follow_wall_clock()
             self._diagnostics.publish(self._known.status("robot", "simulator"))
 
     def _fall_behind(self, behind: float) -> None:

@@ -13,7 +13,7 @@ from tf2_msgs.msg import TFMessage
 
 from rst_control.config.tracking import TrackingConfig
 from rst_control.registration.frames import Array, Frames, Link, pose
-from rst_control.ros.controller.messages import RosClock
+from rst_control.ros.common.wall_clock import RosClock
 from rst_control.types import BASE, Cause
 from typed_config.ros.known_publishers import KnownPublishers
 
@@ -62,7 +62,7 @@ class FrameListener:
 
     def _on_moving(self, message: TFMessage) -> None:
         for entry in message.transforms:
-            self._put(entry, self._clock.steady(entry.header.stamp))
+            self._put(entry, self._clock.steady(entry.header.stamp.to_sec()))
 
     def _on_static(self, message: TFMessage) -> None:
         for entry in message.transforms:

@@ -26,7 +26,8 @@ from rst_control.registration.trocar_context import (
     Origin,
     TrocarContext,
 )
-from rst_control.ros.controller.messages import RosClock, base_point
+from rst_control.ros.common.wall_clock import RosClock
+from rst_control.ros.controller.messages import base_point
 from typed_config.ros.launch_settings import IN_FORCE
 from typed_config.ros.xmlrpc import FAILURES, ask
 
@@ -107,7 +108,7 @@ class PlacesInForce:
             for name, entry in kept.items():
                 numbers = [float(value) for value in entry["numbers"]]
                 context = _with(context, name, numbers)
-                stamp = self._clock.steady(rospy.Time.from_sec(float(entry["stamp"])))
+                stamp = self._clock.steady(float(entry["stamp"]))
                 origins[name] = Origin(str(entry["source"]), stamp)
         except (ValueError, TypeError, KeyError, AttributeError, RstError) as error:
             rospy.logerr(NOT_TAKEN, error)

@@ -19,8 +19,9 @@ from rst_control.registration.frames import Array
 from rst_control.registration.tracked_grasp import TrackedGrasp
 from rst_control.registration.tracked_place import Report
 from rst_control.registration.trocar_following import TrocarFollowing
+from rst_control.ros.common.wall_clock import RosClock
 from rst_control.ros.controller.diagnostics import make_status
-from rst_control.ros.controller.messages import RosClock, caller_of, code_of
+from rst_control.ros.controller.messages import caller_of, code_of
 from rst_control.ros.controller.places.frame_listener import FrameListener
 from rst_control.ros.controller.services.admission import answer_of
 from rst_control.types import Cause
@@ -149,5 +150,5 @@ class TrackerLink:
         pull: tuple[float, ...] = (),
     ) -> Report:
         place = np.array([point.x, point.y, point.z])
-        stamp = self._clock.steady(message.header.stamp)
+        stamp = self._clock.steady(message.header.stamp.to_sec())
         return Report(T[:3, :3] @ place + T[:3, 3], stamp, pull, time.monotonic())
