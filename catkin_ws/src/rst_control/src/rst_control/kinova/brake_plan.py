@@ -15,7 +15,7 @@ import numpy as np
 
 from rst_control.kinova.config import BridgeConfig
 from rst_control.kinova.velocity_ramp import TINY, Ramp, feasible_share, next_due, velocity_for
-from rst_control.robot.setpoint_servo import Curve
+from rst_control.robot.courses import Curve
 from rst_control.types import ARM_COUNT, Vector
 
 SETTLING = 3  # periods in which the arm reaches the place where it comes to rest

@@ -15,14 +15,11 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rst_control.config import ServoConfig
 from rst_control.robot import joint_kernels
+from rst_control.robot.courses import Brake, Curve, Fade, Joints
 from rst_control.types import Cause, Reason, Setpoint
-
-Joints = NDArray[np.float64]  # (10,), [rad] or [rad/s]
-
 
 REACHED = 1.001  # times a limit: rounding, and what lies between the places a plan was judged at
 ON_TIME = (-np.inf, -np.inf)  # [s] since when set-points at rest are late, and the last of these
@@ -48,69 +45,6 @@ class ServoLimits:
     acceleration: Joints | None = None  # [rad/s^2] between set-points; None: any
 
 
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """A course beyond its last known point: a parabola in joint space."""
-
-    position: Joints
-    velocity: Joints
-    bend: Joints  # [rad/s^2] square to the velocity
-
-    def at(self, time: float) -> tuple[Joints, Joints]:
-        """Position [rad] and velocity [rad/s] at a time [s] from its start."""
-        velocity = self.velocity + time * self.bend
-        return self.position + 0.5 * time * (self.velocity + velocity), velocity
-
-
-@dataclass(frozen=True, eq=False)
-class _Brake:
-    """A curve on which time itself slows down to a stand, by the smooth step 3u^2 - 2u^3."""
-
-    curve: Curve
-    begun: float  # [s] time on the curve when braking starts
-    start: float  # [s]
-    duration: float  # [s]
-
-    @classmethod
-    def standing(cls, position: Joints) -> _Brake:
-        still = np.zeros_like(position)
-        return cls(Curve(np.array(position), still, still), 0.0, 0.0, 0.0)
-
-    def at(self, now: float) -> tuple[Joints, Joints]:
-        if self.duration == 0.0:
-            return self.curve.position, self.curve.velocity
-        u = min(max((now - self.start) / self.duration, 0.0), 1.0)
-        on_curve = self.begun + (u - u**3 + 0.5 * u**4) * self.duration
-        position, velocity = self.curve.at(on_curve)
-        return position, (1.0 - 3.0 * u**2 + 2.0 * u**3) * velocity
-
-
-@dataclass(frozen=True, eq=False)
-class _Fade:
-    """A distance from the course that vanishes, by the smooth step 3u^2 - 2u^3.
-
-    The first set-point may lie a little away from where the joints hold: they get there slowly.
-    """
-
-    away: Joints  # [rad] at the start
-    start: float  # [s]
-    duration: float  # [s]
-
-    @classmethod
-    def over(cls, away: Joints, start: float, speed: Joints) -> _Fade:
-        """Of a distance, so slowly that no joint passes a speed [rad/s]."""
-        return cls(away, start, float(np.max(1.5 * np.abs(away) / speed)))
-
-    def at(self, now: float) -> tuple[Joints, Joints]:
-        u = (now - self.start) / self.duration if self.duration > 0.0 else 1.0
-        u = min(max(u, 0.0), 1.0)
-        rate = 0.0 if u == 1.0 else 6.0 * u * (1.0 - u) / self.duration
-        return (1.0 - (3.0 - 2.0 * u) * u * u) * self.away, -rate * self.away
-
-    def is_over(self, now: float) -> bool:
-        return now >= self.start + self.duration
-
-
 class Servo:
     """Turns set-points into the course of the joints, within limits; a fault brakes and latches.
 
@@ -124,9 +58,9 @@ class Servo:
         self._config, self._limits = config, limits
         self._deceleration = np.array(config.brake_deceleration)
         self._points: deque[Setpoint] = deque(maxlen=config.buffer)
-        self._brake = _Brake.standing(position)
+        self._brake = Brake.standing(position)
         self._still = np.zeros_like(position)
-        self._fade = _Fade(self._still, 0.0, 0.0)
+        self._fade = Fade(self._still, 0.0, 0.0)
         self._closed_until = -np.inf  # set-points stamped earlier do not count
         self._late = ON_TIME
         self.state, self.fault = ServoState.HOLDING, ""
@@ -165,7 +99,7 @@ class Servo:
         if self.state is ServoState.HOLDING:
             rest, still = self._brake.at(now)
             speed = START_SHARE * self._limits.speed
-            self._fade = _Fade.over(rest - point.position, now, speed)
+            self._fade = Fade.over(rest - point.position, now, speed)
             self._points.append(Setpoint(point.position, still, point.stamp - self._config.period))
             self.state = ServoState.FOLLOWING
         self._points.append(point)
@@ -272,12 +206,12 @@ class Servo:
         duration = float(np.max(1.5 * np.abs(curve.at(begun)[1]) / pull))
         position = curve.at(begun)[0]
         still = duration == 0.0
-        self._brake = _Brake.standing(position) if still else _Brake(curve, begun, now, duration)
+        self._brake = Brake.standing(position) if still else Brake(curve, begun, now, duration)
         self._points.clear()
         self.state = ServoState.BRAKING
 
     def _rest(self, position: Joints) -> None:
-        self._brake = _Brake.standing(position)
+        self._brake = Brake.standing(position)
         self.state = ServoState.HOLDING
 
     def _played(self, time: float) -> tuple[Joints, Joints]:
