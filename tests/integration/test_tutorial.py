@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """docs/tutorial.md in its order, in terminals that use only what the page says.
 
-Only settings are added, for a machine that may pause and for motions that take less time.
+Only settings are added, for a machine that may pause and for motions that take less time. Those
+through the trocar take as long as a user's: the page stops one on its way.
 """
 
 import fcntl
@@ -19,6 +20,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+import yaml
 
 from support.launched_system import free_port
 from support.process_groups import end_group
@@ -31,10 +33,7 @@ ENDED = "ended with"
 AT_REST = ("standby", "active", "halted")
 PRINTER = Path(__file__).parent / "programs" / "state_printer.py"
 START = 4 * PATIENCE  # [s] where the kinematics have to be compiled on a loaded machine
-PATIENT = (
-    "controller_overrides:=tests/rostest/patient_controller.yaml"
-    " robot_overrides:=tests/rostest/patient_robot.yaml"
-)
+ROSTEST = ROOT / "tests" / "rostest"
 
 
 def steps():
@@ -153,6 +152,15 @@ def give(hand, states, line):
     return code, printed
 
 
+def settings(folder):
+    """Arguments of a launch."""
+    patient = yaml.safe_load((ROSTEST / "patient_controller.yaml").read_text(encoding="utf-8"))
+    del patient["controller"]["speed"]["insertion"]
+    slow = folder / "controller.yaml"
+    slow.write_text(yaml.safe_dump(patient), encoding="utf-8")
+    return f"controller_overrides:={slow} robot_overrides:={ROSTEST}/patient_robot.yaml"
+
+
 def test_the_page_can_be_followed(tmp_path, session):
     master = f"http://127.0.0.1:{free_port()}"
     terminals = defaultdict(lambda: Terminal(tmp_path, master, tmp_path / "ros"))
@@ -161,7 +169,7 @@ def test_the_page_can_be_followed(tmp_path, session):
         for name, typed, is_refused in steps():
             line = re.sub(r"\bfirst\b", session, typed)
             if line.startswith("roslaunch"):
-                terminals[name].type(f"{line} {PATIENT}")
+                terminals[name].type(f"{line} {settings(tmp_path)}")
                 terminals[name].wait_for("controller ready")
                 states = States(master, tmp_path / "ros")
                 continue
