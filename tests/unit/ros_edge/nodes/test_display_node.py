@@ -216,7 +216,7 @@ def test_only_an_address_that_cannot_be_had_ends_the_node_for_good(
     monkeypatch.setattr(node_module, "serve", serve)
     monkeypatch.setattr(node_module, "starting", lambda *_, **__: nullcontext())
     monkeypatch.setattr(node_module, "private_settings", lambda *_: CONFIG)
-    monkeypatch.setattr(node_module, "set_priority", lambda _: True)
+    monkeypatch.setattr(node_module, "set_priority", lambda nice: nice)
     monkeypatch.setattr(rospy, "get_param", lambda name, default: default)
     with pytest.raises(ends) as ended:
         node_module.main()

@@ -8,6 +8,7 @@ starts each node in a session of its own, so a node's own priority alone changes
 from __future__ import annotations
 
 import os
+import resource
 from contextlib import suppress
 from pathlib import Path
 from typing import Final
@@ -16,7 +17,7 @@ AUTOGROUP: Final = Path("/proc/self/autogroup")
 TERMINAL: Final = Path("/dev/tty")  # there only for a session that has one
 
 
-def set_priority(nice: int) -> bool:
+def set_priority(nice: int) -> int:
     """Set the priority of this process, of the threads that it will make, and of its session.
 
     Call it before the first thread is made.
@@ -25,14 +26,15 @@ def set_priority(nice: int) -> bool:
         nice: From -20, which goes first, to 19.
 
     Returns:
-        Whether it was granted; only root may ask for more than others get.
+        The one that it has now. Who is not root gets no more than limits.conf(5) grants as `nice`.
     """
     try:
         os.setpriority(os.PRIO_PROCESS, 0, nice)
     except PermissionError:
-        return False
+        nice = max(nice, min(_most_allowed(), os.getpriority(os.PRIO_PROCESS, 0)))
+        os.setpriority(os.PRIO_PROCESS, 0, nice)
     weigh_session(nice)
-    return True
+    return nice
 
 
 def weigh_session(nice: int, process: int | None = None) -> None:
@@ -48,6 +50,11 @@ def weigh_session(nice: int, process: int | None = None) -> None:
     group = AUTOGROUP if process is None else Path(f"/proc/{process}/autogroup")
     with suppress(OSError):  # not allowed, or a kernel without groups of sessions
         group.write_text(str(nice), encoding="ascii")
+
+
+def _most_allowed() -> int:
+    limit = resource.getrlimit(resource.RLIMIT_NICE)[0]
+    return -20 if limit == resource.RLIM_INFINITY else 20 - limit  # getrlimit(2)
 
 
 def _has_terminal() -> bool:

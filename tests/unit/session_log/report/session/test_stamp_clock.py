@@ -171,14 +171,43 @@ def test_of_several_distances_the_largest_is_known():
     assert lags == {"/joint_states": pytest.approx(-60.0)}
 
 
-def test_messages_that_were_held_up_for_a_while_are_of_the_same_clock():
+@pytest.mark.parametrize("together", [330, 1000])  # as a topic is read; 330: in a pause
+@pytest.mark.parametrize("rate", [10, 50, 1000])  # [Hz]
+@pytest.mark.parametrize("pause", [3.5, 4.0, 8.0])  # [s]
+def test_messages_that_were_held_up_for_a_while_are_of_the_same_clock(rate, pause, together):
     lags = {}
     clock = StampClock(SOURCE, lags)
-    stamps = START + np.arange(1000) * SECOND // 10
-    arrivals = stamps.copy()
-    arrivals[500:540] = stamps[540]  # 11 of them are more than APART late
-    assert clock.in_log_time(stamps, arrivals).tolist() == stamps.tolist()
+    stamps = START + np.arange(30 * rate) * SECOND // rate
+    begin, end = START + 10 * SECOND, START + int((10.0 + pause) * SECOND)
+    is_held = (stamps >= begin) & (stamps < end)
+    sent_on = end + np.cumsum(is_held) * SECOND // 10_000  # one after the other
+    arrivals = np.where(is_held, sent_on, np.maximum(stamps, (stamps >= end) * sent_on[-1]))
+    for k in range(0, len(stamps), together):
+        part = slice(k, k + together)
+        assert clock.in_log_time(stamps[part], arrivals[part]).tolist() == stamps[part].tolist()
     assert lags == {} and clock.offset is None
+
+
+def test_an_event_that_was_held_up_keeps_its_stamp():
+    lags = {}
+    clock = StampClock(SOURCE, lags)
+    for sent, came in ((0, 0), (20, 20), (21, 25), (24, 25), (40, 40)):
+        sent, came = (START + time * SECOND for time in (sent, came))
+        assert in_log_time(clock, (sent, came)) == [sent]
+    assert lags == {}
+
+
+def test_a_clock_that_was_set_back_while_messages_were_held_up_is_another():
+    lags = {}
+    clock = StampClock(SOURCE, lags)
+    true = START + np.arange(2000) * SECOND // 50
+    stamps = true - np.where(true < START + 12 * SECOND, 0, 10 * SECOND)
+    is_held = (true >= START + 10 * SECOND) & (true < START + 15 * SECOND)
+    arrivals = np.where(is_held, START + 15 * SECOND, true)
+    times = clock.in_log_time(stamps, arrivals)
+    later = arrivals > START + int((15.0 + APART) * SECOND)
+    assert times[later].tolist() == arrivals[later].tolist()
+    assert lags == {"/joint_states": pytest.approx(10.0)}
 
 
 @pytest.mark.parametrize("together", [1, 500])

@@ -20,4 +20,5 @@ def hear_first() -> str:
     Returns:
         What was granted, in words.
     """
-    return f"nice {NICE}" if set_priority(NICE) else "none"
+    granted = set_priority(NICE)
+    return f"nice {granted}" if granted < 0 else "none"

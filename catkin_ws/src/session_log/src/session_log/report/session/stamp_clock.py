@@ -36,6 +36,8 @@ class StampClock:
         self._offset = 0.0  # [s] smallest lag of the stretch that is most off
         self._count, self._smallest = 0, math.inf  # of the present stretch; lag [s]
         self._begin = 0  # [ns] of that stretch
+        self._last = 0.0, 0.0, True  # of a message: sent and came [s], and whether it was far off
+        self._held_until = -math.inf  # [s] what came until then was only late
 
     @property
     def offset(self) -> tuple[str, float] | None:
@@ -57,12 +59,33 @@ class StampClock:
         sent = stamps if sent is None else sent
         is_set = sent != 0
         lag = np.where(is_set, arrivals - sent, 0)  # [ns]
-        is_other = _is_other(lag * 1e-9)
+        times = np.asarray(arrivals * 1e-9, np.float64)
+        is_other = self._is_other(lag * 1e-9, times)
         if not self._source.is_latched:  # which may have been sent long before
             self._note_other(lag[is_other] * 1e-9)
             is_near = is_set & (np.abs(lag) <= APART * 1e9)
             self._note_near(lag[is_near] * 1e-9, arrivals[is_near])
         return np.where(stamps == 0, arrivals, np.where(is_other, stamps + lag, stamps))
+
+    def _is_other(self, lag: Seconds, arrivals: Seconds) -> NDArray[np.bool_]:
+        """Whether another clock stamped messages with these lags [s].
+
+        A few between messages that are near were only late. So were those that came at once behind
+        a pause, though they were sent in it: a link or a recorder held them up.
+        """
+        sent, far = arrivals - lag, np.abs(lag) > APART
+        last_sent, last_arrival, was_far = self._last
+        went, came = np.diff(sent, prepend=last_sent), np.diff(arrivals, prepend=last_arrival)
+        begins = far & ~np.concatenate(([was_far], far[:-1]))
+        is_late = far & (arrivals <= self._held_until)
+        for begin in np.flatnonzero(begins & (went >= 0.0) & (went < 0.5 * came)).tolist():
+            self._held_until = float(arrivals[begin]) + APART
+            is_late[begin:] |= arrivals[begin:] <= self._held_until
+        for begin, end in pairwise((np.flatnonzero(np.diff(far)) + 1).tolist()):
+            if end - begin < MANY:
+                is_late[begin:end] = True
+        self._last = float(sent[-1]), float(arrivals[-1]), bool(far[-1])
+        return far & ~is_late
 
     def _note_other(self, lag: Seconds) -> None:
         if len(lag):
@@ -79,13 +102,3 @@ class StampClock:
             if self._count >= MANY and abs(times[-1] - self._begin) >= LONG * 1e9:
                 self._offset = max(self._offset, self._smallest, key=abs)
                 self._count, self._smallest = 0, math.inf
-
-
-def _is_other(lag: Seconds) -> NDArray[np.bool_]:
-    """Whether another clock stamped messages with these lags [s]; a few among others were late."""
-    is_other = np.abs(lag) > APART
-    changes = np.flatnonzero(np.diff(is_other)) + 1
-    for begin, end in pairwise(changes.tolist()):
-        if end - begin < MANY:
-            is_other[begin:end] = False
-    return is_other
