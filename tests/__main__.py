@@ -11,7 +11,6 @@ pytest with them.
 
 from __future__ import annotations
 
-import contextlib
 import os
 import signal
 import subprocess
@@ -20,6 +19,8 @@ import time
 from collections.abc import Sequence
 from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
+
+from typed_config.priority import set_priority
 
 ROOT = Path(__file__).resolve().parents[1]
 RESULTS = ROOT / ".cache" / "tests"  # files of JUnit's form
@@ -168,11 +169,9 @@ def _places(arguments: Sequence[str]) -> list[str]:
 
 
 def give_way() -> None:
-    """In the child: lower its priority, and that of its session, which Linux weighs as a whole."""
-    os.nice(NICE)
+    """In the child: lower its priority, and that of a session of its own."""
     os.setsid()
-    with contextlib.suppress(OSError):  # a kernel without groups of sessions
-        Path("/proc/self/autogroup").write_text(str(NICE), encoding="ascii")
+    set_priority(NICE)
 
 
 if __name__ == "__main__":
