@@ -5,6 +5,7 @@ import logging
 import socket
 import struct
 import threading
+from collections import deque
 from io import BytesIO
 from types import SimpleNamespace
 
@@ -20,6 +21,7 @@ from std_msgs.msg import Empty, String
 from rst_control.admission.callers import CallLimiter
 from rst_control.admission.command_queue import CommandQueue
 from rst_control.config.callers import CallersConfig
+from rst_control.execution.orders import Outcome
 from rst_control.msg import AssistActionGoal, AssistGoal, AssistResult
 from rst_control.ros.controller.services import action_server, command_service
 from rst_control.ros.controller.services.action_server import GuardedServer
@@ -243,7 +245,7 @@ class Actions(GuardedServer):
         self.cancel_callback = lambda handle: None
         self.all_cancelled = []
         self._on_cancel_all = self.all_cancelled.append
-        self.late_cancelled = []
+        self.late_cancelled, self.replaced = [], deque()
         self._on_late_cancel = lambda goal_id: self.late_cancelled.append(goal_id.id)
         self._goals = SimpleNamespace(has_true_name=lambda goal: goal.goal_id.id != "false")
         listeners = [SimpleNamespace(endpoint_id="/panel"), SimpleNamespace(endpoint_id="/stray")]
@@ -351,16 +353,22 @@ def test_a_cancel_that_names_no_goal_stops_whatever_is_under_way():
 
 
 @pytest.mark.parametrize(
-    ("end", "is_late"),
-    [("set_canceled", True), ("set_succeeded", False), ("set_aborted", False), ("", False)],
+    ("kind", "reason", "is_late"),
+    [
+        ("stopped", Reason.REPLACED, True),
+        ("stopped", Reason.STOP_COMMAND, False),  # what moves now took the place of another
+        ("succeeded", None, False),
+        ("failed", Reason.WITHDRAWN, False),
+    ],
 )
-def test_a_cancel_of_a_goal_that_was_replaced_is_handed_on(end, is_late):
+def test_a_cancel_of_a_goal_that_was_replaced_is_handed_on(kind, reason, is_late):
     server, handles = Actions(), []
     server.goal_callback = handles.append
     server.internal_goal_callback(goal("tense", "g"))
     handles[0].set_accepted()
-    if end:
-        getattr(handles[0], end)(AssistResult())
+    bare = bare_server()[0]
+    bare._server, bare._running = server, {}
+    bare._end(handles[0], Outcome(kind, "", reason))
     for name in ("g", "another"):
         server.internal_cancel_callback(GoalID(id=name))
     assert server.late_cancelled == (["g"] if is_late else [])

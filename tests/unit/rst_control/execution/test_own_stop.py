@@ -117,3 +117,18 @@ def test_far_from_where_it_was_the_pull_is_planned_anew_and_tissue_can_be_releas
     assert "allowed" in rig.refused("pull less")
     rig.finish("release")
     assert not rig.view.is_tissue_held
+
+
+@pytest.mark.parametrize("words", ["pull more", "pull less", "release"])
+def test_a_stop_on_the_way_onto_the_path_forgets_no_pull(words):
+    rig = after_its_own_stop(3e-4, 1.0)
+    pulled = rig.view.grasp.s
+    rig.say(words)
+    rig.run(2.0 * PERIOD)
+    assert rig.view.path is not rig.view.grasp.pull
+    rig.stop()
+    rig.rest().say("hey robot")
+    rig.run(0.1)
+    assert rig.view.grasp.s == pytest.approx(pulled, abs=1e-3)
+    rig.finish("pull less")
+    assert rig.view.grasp.s < pulled

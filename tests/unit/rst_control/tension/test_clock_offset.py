@@ -14,7 +14,7 @@ def test_bunched_messages_stay_as_far_apart_as_they_were_taken() -> None:
     assert taken == pytest.approx([5.0, 5.025, 5.05], abs=1e-6)
 
 
-@pytest.mark.parametrize("step", [-3600.0, 3600.0])
+@pytest.mark.parametrize("step", [-3600.0, -0.1, 3600.0])
 def test_a_clock_that_was_set_begins_anew_at_the_arrival(step: float) -> None:
     times = SentTimes(0.2)
     times.of(1e9, 5.0)

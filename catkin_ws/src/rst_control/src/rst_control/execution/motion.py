@@ -167,7 +167,10 @@ class Motion:
         tension = None if self._is_braking else grasp.tension
         if self._place.path is grasp.pull:
             return replace(grasp, s=self._place.state.s, tension=tension)
-        return replace(grasp, s=0.0, tension=None) if self._is_braking else grasp  # not pulled yet
+        if not self._is_braking:
+            return grasp
+        still_to_pull = (phase.start for phase in self._waiting if phase.path is grasp.pull)
+        return replace(grasp, s=next(still_to_pull, 0.0), tension=None)
 
     def _start_next_phase(self, now: float) -> PhaseExecution:
         phase = self._waiting.popleft()

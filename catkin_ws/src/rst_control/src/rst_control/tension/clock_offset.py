@@ -13,13 +13,14 @@ class SentTimes:
     """Translates the sender's stamps to the receiver's steady clock.
 
     Args:
-        most: By how much arrivals may be late or bunched [s]. Beyond, the sender's clock was set,
-            and the translation begins anew with that arrival.
+        most: By how much arrivals may be late or bunched [s]. Beyond, or where stamps go back, the
+            sender's clock was set, and the translation begins anew with that arrival.
     """
 
     def __init__(self, most: float) -> None:
         self._most = most
         self._offset: float | None = None
+        self._last = 0.0  # [s] stamp
 
     def of(self, sent: float, arrived: float) -> float:
         """Time of a reading [s], receiver's clock, as far from the last as the stamps say.
@@ -28,6 +29,7 @@ class SentTimes:
             sent: Stamp of the sender [s].
             arrived: On the receiver's clock [s].
         """
-        if self._offset is None or abs(sent + self._offset - arrived) > self._most:
+        is_back, self._last = sent < self._last, sent
+        if self._offset is None or is_back or abs(sent + self._offset - arrived) > self._most:
             self._offset = arrived - sent
         return sent + self._offset

@@ -26,8 +26,8 @@ def open_listeners(topic: rospy.Publisher) -> set[str]:
     rospy reads from none of them. So it counts one that ended until a message cannot be written.
     """
     connections = list(topic.impl.connections) if topic.impl is not None else []
-    alive = [c for c in connections if not c.done and c.socket is not None]
-    return {caller_name(c.endpoint_id) for c in alive if not is_closed(c.socket)}
+    alive = [(c.endpoint_id, c.socket) for c in connections if not c.done]  # rospy may drop it now
+    return {caller_name(name) for name, link in alive if link is not None and not is_closed(link)}
 
 
 def open_callers(link: rospy.Subscriber) -> set[str]:

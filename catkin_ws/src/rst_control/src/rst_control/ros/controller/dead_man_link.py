@@ -8,6 +8,7 @@ that is started anew within the launch asks for it before it is heard again.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from threading import Thread
 from typing import Final
 
@@ -20,6 +21,7 @@ from rst_control.execution.snapshot import ControllerSnapshot
 from rst_control.types import State
 from typed_config.ros.known_publishers import KnownPublishers
 from typed_config.ros.launch_settings import IN_FORCE
+from typed_config.ros.xmlrpc import FAILURES
 
 HAS_DEAD_MAN: Final = f"~{IN_FORCE}/has_dead_man"
 
@@ -39,6 +41,7 @@ class DeadManLink:
     ) -> None:
         self._dead_man, self._executor = dead_man, executor
         self._is_kept = bool(rospy.get_param(HAS_DEAD_MAN, False))
+        self._keeping: Thread | None = None
         if self._is_kept:
             dead_man.note(False)
         newest = {"tcp_nodelay": True, "queue_size": 1}
@@ -53,7 +56,12 @@ class DeadManLink:
 
     def _on_word(self, message: Bool) -> None:
         self._dead_man.note(message.data)
-        if not self._is_kept:
-            self._is_kept = True
+        if not self._is_kept and (self._keeping is None or not self._keeping.is_alive()):
             # In a thread: a master that hangs must not keep a release from being heard.
-            Thread(target=rospy.set_param, args=(HAS_DEAD_MAN, True), daemon=True).start()
+            self._keeping = Thread(target=self._keep, daemon=True)
+            self._keeping.start()
+
+    def _keep(self) -> None:
+        with suppress(*FAILURES):  # the next word tries again
+            rospy.set_param(HAS_DEAD_MAN, True)
+            self._is_kept = True

@@ -65,6 +65,7 @@ class MeasurementAssembler:
         self._tension_age = max(watchdogs.sensors.tension_age, watchdogs.joint_state_age)
         self._read = JointStateReader(JOINTS)
         self._seen: Arrived | None = None
+        self._ahead = 0.0  # [s] of the last message
         self._read_rest = JointStateReader(JOINTS)
         self._rest_seen: Arrived | None = None
         self._sent_to: Vector | None = None
@@ -98,6 +99,8 @@ class MeasurementAssembler:
         return self._measured
 
     def _take(self, joints: Arrived) -> None:
+        is_set = joints.ahead != self._ahead  # this one may have been sent before that
+        self._ahead = joints.ahead
         try:
             sample = self._read(joints.raw, joints.ahead)
         except OutOfOrder as error:
@@ -109,6 +112,8 @@ class MeasurementAssembler:
             self._objection = Cause(Reason.JOINT_MESSAGES, str(error))
             self._keep()
             return
+        if is_set:
+            self._read.reset()
         self._objection, self._refused = None, 0
         self._take_rest()
         force = self._force(joints.arrived)
@@ -121,7 +126,7 @@ class MeasurementAssembler:
             gripped=bool(self.gripped),
             fault=self._fault,
             tension_invalid_reason=self.tension_invalid_reason,
-            sent=sample.stamp,
+            sent=None if is_set else sample.stamp,
             sent_to=self._sent_to,
         )
 

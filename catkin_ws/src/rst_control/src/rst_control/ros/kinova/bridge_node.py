@@ -78,6 +78,7 @@ class KinovaBridgeNode:
         torques = RestTorques(config.torques, description, config.scene.gravity)
         self._bridge = Bridge(config, self._hardware, torques)
         self._clock, self._reader = RosClock(), JointStateReader(JOINTS)
+        self._ahead = self._clock.ahead()  # [s] with the last set-point
         self._jobs: deque[Callable[[], None]] = deque()
         self._published: Measurement | None = None
         self._told_force: Vector | None = None
@@ -184,8 +185,10 @@ class KinovaBridgeNode:
 
     def _on_setpoint(self, message: RawJointState) -> None:
         if len(self._jobs) < MAX_JOBS:
-            ahead = self._clock.ahead()
-            self._jobs.append(lambda: self._take(message.raw, ahead))
+            ahead, before = self._clock.ahead(), self._ahead
+            self._ahead = ahead
+            if ahead >= before:  # else it may be of before the clock was set back, so of the future
+                self._jobs.append(lambda: self._take(message.raw, ahead))
 
     def _take(self, raw: bytes, ahead: float) -> None:
         self._reader.reset()  # the servo itself judges the order of stamps

@@ -57,6 +57,7 @@ class SetpointInterface:
         seed: int,
     ) -> None:
         self._robot, self._jobs, self._stamper = robot, jobs, stamper
+        self._ahead = stamper.ahead()  # [s] with the last set-point
         self._is_real_time = is_real_time
         self._writer, self._reader = StateWriter(stamper), JointStateReader(JOINTS)
         random = np.random.default_rng(seed)
@@ -115,8 +116,10 @@ class SetpointInterface:
 
     def _on_setpoint(self, message: RawJointState) -> None:
         if len(self._jobs) < MAX_JOBS:
-            ahead = self._stamper.ahead()
-            self._jobs.append(lambda: self._take(message.raw, ahead))
+            ahead, before = self._stamper.ahead(), self._ahead
+            self._ahead = ahead
+            if ahead >= before:  # else it may be of before the clock was set back, so of the future
+                self._jobs.append(lambda: self._take(message.raw, ahead))
 
     def _take(self, raw: bytes, ahead: float) -> None:
         self._reader.reset()  # the servo itself judges the order of stamps

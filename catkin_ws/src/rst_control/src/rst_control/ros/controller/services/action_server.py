@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import queue
 import time
+from collections import deque
 from collections.abc import Callable
 
 import actionlib
@@ -44,7 +45,10 @@ class GuardedServer(actionlib.ActionServer):
         on_goal: Gets every goal that is let in.
         on_cancel: Gets every goal that is to be cancelled; a cancel is never turned away.
         on_cancel_all: Gets every cancel that names no goal, also where none is under way.
-        on_late_cancel: Gets every cancel of a goal that was stopped or replaced already.
+        on_late_cancel: Gets every cancel of a goal of `replaced`.
+
+    Attributes:
+        replaced: Ids of goals that another motion took the place of.
     """
 
     def __init__(
@@ -59,6 +63,7 @@ class GuardedServer(actionlib.ActionServer):
     ) -> None:
         self._limiter, self._on_stop = limiter, on_stop
         self._on_cancel_all, self._on_late_cancel = on_cancel_all, on_late_cancel
+        self.replaced: deque[str] = deque(maxlen=MAX_GOALS)
         self._goals = known.watch()
         super().__init__("rst_control/execute", AssistAction, on_goal, on_cancel, auto_start=False)
 
@@ -95,7 +100,7 @@ class GuardedServer(actionlib.ActionServer):
         goal_id.stamp = _not_after_now(goal_id.stamp)
         with self.lock:
             known = [s.status for s in self.status_list if s.status.goal_id.id == goal_id.id]
-        if any(status.status == GoalStatus.PREEMPTED for status in known):
+        if goal_id.id in self.replaced:
             self._on_late_cancel(goal_id)
         if goal_id.id and not known and self._too_much(goal_id):
             if goal_id.stamp.is_zero():
@@ -174,6 +179,8 @@ class AssistServer:
             case "refused":
                 goal.set_rejected(result, outcome.message)
             case "stopped":
+                if outcome.reason is Reason.REPLACED:
+                    self._server.replaced.append(goal.get_goal_id().id)
                 goal.set_canceled(result, outcome.message)
             case "failed":
                 goal.set_aborted(result, outcome.message)
