@@ -9,7 +9,14 @@ from collections.abc import Callable
 import pytest
 
 from rst_control.ros.common import wall_clock
-from rst_control.ros.common.wall_clock import CLOCK_JUMP, READINGS, RosClock, followed, wall_offset
+from rst_control.ros.common.wall_clock import (
+    CLOCK_JUMP,
+    READINGS,
+    ArrivalOffset,
+    RosClock,
+    followed,
+    wall_offset,
+)
 from rst_control.ros.simulator.messages import Stamper
 
 AHEAD = 1.7e9  # [s] that the wall clock is ahead
@@ -66,3 +73,9 @@ def test_only_a_change_beyond_the_limit_is_followed() -> None:
         wall, steady = clocks([])
         found = followed(AHEAD - change, wall, steady)
         assert found == pytest.approx(AHEAD if is_followed else AHEAD - change, abs=1e-5)
+
+
+def test_only_the_first_message_after_the_clock_was_set_back_cannot_be_read() -> None:
+    readings = iter((5.0, 5.0, 8.0, 7.9, 7.9))
+    offset = ArrivalOffset(lambda: next(readings))
+    assert [offset() for _ in range(4)] == [5.0, 8.0, None, 7.9]

@@ -39,6 +39,24 @@ class RosClock:
         return stamp - self.ahead()
 
 
+class ArrivalOffset:
+    """How far the wall clock is ahead as a message comes, where its stamp can be read by it.
+
+    A message on its way while the clock is set back carries a stamp of before that: of the future.
+
+    Args:
+        ahead: Wall clock less steady clock now [s].
+    """
+
+    def __init__(self, ahead: Callable[[], float]) -> None:
+        self._ahead, self._last = ahead, ahead()
+
+    def __call__(self) -> float | None:
+        """Wall clock less steady clock [s]; None for the first message after it was set back."""
+        before, self._last = self._last, self._ahead()
+        return self._last if self._last >= before else None
+
+
 def wall_offset(wall: Clock = time.time, steady: Clock = time.monotonic) -> float:
     """Wall clock less steady clock [s].
 

@@ -27,7 +27,7 @@ from rst_control.ros.common.priority import ask_for_priority, spare_the_loop
 from rst_control.ros.common.raw_messages import RawJointState
 from rst_control.ros.common.republisher import Due, Repeated
 from rst_control.ros.common.serialization import BadMessage, JointStateReader
-from rst_control.ros.common.wall_clock import RosClock
+from rst_control.ros.common.wall_clock import ArrivalOffset, RosClock
 from rst_control.ros.kinova.arm_report import ArmFacts
 from rst_control.ros.kinova.beat import beat_message
 from rst_control.ros.kinova.hardware import KinovaHardware
@@ -78,7 +78,7 @@ class KinovaBridgeNode:
         torques = RestTorques(config.torques, description, config.scene.gravity)
         self._bridge = Bridge(config, self._hardware, torques)
         self._clock, self._reader = RosClock(), JointStateReader(JOINTS)
-        self._ahead = self._clock.ahead()  # [s] with the last set-point
+        self._ahead = ArrivalOffset(self._clock.ahead)  # of set-points
         self._jobs: deque[Callable[[], None]] = deque()
         self._published: Measurement | None = None
         self._told_force: Vector | None = None
@@ -185,9 +185,8 @@ class KinovaBridgeNode:
 
     def _on_setpoint(self, message: RawJointState) -> None:
         if len(self._jobs) < MAX_JOBS:
-            ahead, before = self._clock.ahead(), self._ahead
-            self._ahead = ahead
-            if ahead >= before:  # else it may be of before the clock was set back, so of the future
+            ahead = self._ahead()
+            if ahead is not None:
                 self._jobs.append(lambda: self._take(message.raw, ahead))
 
     def _take(self, raw: bytes, ahead: float) -> None:

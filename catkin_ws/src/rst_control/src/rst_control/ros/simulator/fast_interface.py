@@ -18,6 +18,7 @@ from rst_control.config.plant import LatenessConfig
 from rst_control.ros.common.raw_messages import RawJointState, WrittenJointState, WrittenWrench
 from rst_control.ros.common.republisher import Repeated
 from rst_control.ros.common.serialization import BadMessage, JointStateReader
+from rst_control.ros.common.wall_clock import ArrivalOffset
 from rst_control.ros.simulator.messages import Stamper, StateWriter
 from rst_control.simulation.plant.lateness import LateQueue
 from rst_control.simulation.pybullet_robot import PybulletRobot
@@ -56,8 +57,8 @@ class SetpointInterface:
         lateness: LatenessConfig,
         seed: int,
     ) -> None:
-        self._robot, self._jobs, self._stamper = robot, jobs, stamper
-        self._ahead = stamper.ahead()  # [s] with the last set-point
+        self._robot, self._jobs = robot, jobs
+        self._ahead = ArrivalOffset(stamper.ahead)  # of set-points
         self._is_real_time = is_real_time
         self._writer, self._reader = StateWriter(stamper), JointStateReader(JOINTS)
         random = np.random.default_rng(seed)
@@ -116,9 +117,8 @@ class SetpointInterface:
 
     def _on_setpoint(self, message: RawJointState) -> None:
         if len(self._jobs) < MAX_JOBS:
-            ahead, before = self._stamper.ahead(), self._ahead
-            self._ahead = ahead
-            if ahead >= before:  # else it may be of before the clock was set back, so of the future
+            ahead = self._ahead()
+            if ahead is not None:
                 self._jobs.append(lambda: self._take(message.raw, ahead))
 
     def _take(self, raw: bytes, ahead: float) -> None:
