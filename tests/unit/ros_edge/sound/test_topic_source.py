@@ -131,3 +131,13 @@ def test_a_stream_that_jumps_goes_on_with_frames_in_order(source, monkeypatch, j
     monkeypatch.setattr(topic_source.rospy, "is_shutdown", lambda: source._queue.empty())
     numbers = [frame.first_sample for frame in source]
     assert numbers == sorted(numbers) and numbers[-1] < 3 * 3600 * 16_000
+
+
+@pytest.mark.parametrize(
+    ("pause", "lost"), [(0.0, 0), (0.2, 0), (0.5, 8000), (-30.0, 0), (1e5, 3600 * 16_000)]
+)
+def test_a_publisher_that_pauses_without_counting_is_not_joined(source, monkeypatch, pause, lost):
+    source._enqueue(chunk(first=1000))
+    source._enqueue(chunk(first=1512, stamp=1000.032 + pause))
+    monkeypatch.setattr(topic_source.rospy, "is_shutdown", lambda: source._queue.empty())
+    assert [frame.first_sample for frame in source] == pytest.approx([0, 512 + lost], abs=1)

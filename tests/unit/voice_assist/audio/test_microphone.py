@@ -121,6 +121,14 @@ def test_a_lost_device_is_never_replaced_and_its_return_is_a_gap():
     assert sound.streams[0].is_closed
 
 
+def test_what_comes_after_a_loss_is_not_joined_though_the_clock_was_set_back():
+    set_back = (-1000.0, np.ones(512, np.int16), False)
+    sound = FakeSound([[BUILT_IN]], [blocks(4), [set_back, *blocks(3)]])
+    frames, _ = listen(sound, attempts=2)
+    after = 4 * 512 + RATE // 10
+    assert [f.first_sample for f in frames[4:]] == [after + 512 * i for i in range(4)]
+
+
 def test_the_gap_runs_from_the_last_block_heard_to_the_first_after_the_loss():
     first = (0.25, np.ones(512, np.int16), False)
     sound = FakeSound([[BUILT_IN]], [blocks(4), [], [first, *blocks(3)]])

@@ -144,6 +144,16 @@ def test_a_silence_is_a_gap_of_its_length_with_what_is_not_heard_after_it(is_rep
     assert sum(block.lost for block in blocks[1:]) == 0.0
 
 
+@pytest.mark.parametrize("is_reported", [True, False])
+def test_after_a_silence_nothing_is_joined_though_the_clock_was_set_back(is_reported):
+    stream = informed() if is_reported else UnstampedStream(CONFIG)
+    taken(stream, 2.0)
+    stream.forget()
+    blocks = [b for b in taken(stream, 2.0, start=50.0) if b != ""]
+    assert blocks[0].lost == pytest.approx(0.1)
+    assert sum(block.lost for block in blocks[1:]) == 0.0
+
+
 def test_sound_that_is_refused_for_a_while_is_a_gap():
     stream = UnstampedStream(CONFIG)
     assert isinstance(taken(stream, 3.0)[-1], SoundBlock)

@@ -232,3 +232,14 @@ def test_with_an_open_talk_gate_a_command_counts():
     pipeline.talk_changed(TalkChange(False, 0.0))
     pipeline.talk_changed(TalkChange(True, 1.0))
     assert commands(run(pipeline, clock, frames(say("0.3 pull more 1.0")))) == ["pull more"]
+
+
+@pytest.mark.parametrize(("is_open", "taken"), [(True, ["pull more"]), (False, [])])
+def test_the_talk_gate_counts_as_it_stands_once_the_clock_is_set_back(is_open, taken):
+    pipeline, clock = make()
+    quiet = frames(say("1.0"), start=100.0)
+    pipeline.talk_changed(TalkChange(not is_open, 1.0))
+    run(pipeline, clock, quiet)
+    pipeline.talk_changed(TalkChange(is_open, clock.now))
+    later = frames(say("pull more 1.0"), quiet[-1].next_sample, start=96.0)
+    assert commands(run(pipeline, clock, later)) == taken

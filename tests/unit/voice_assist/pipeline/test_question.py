@@ -54,6 +54,15 @@ def test_anything_else_drops_it(then):
     assert commands(hear(f"0.3 pull more {then.format(YES)}")) == []
 
 
+def test_a_question_that_lapsed_does_not_stand_again_where_the_clock_is_set_back():
+    pipeline, clock = make(Mode.ACTIVE, FakeRecognizer(odds=NEARLY), **ASKS)
+    asked = frames(say("0.3 pull more 4.0"))
+    assert actions(run(pipeline, clock, asked)) == [Ask("pull more")]
+    back = 100.0 - 4.5  # [s]
+    answer = frames(say(YES), asked[-1].next_sample, start=back)
+    assert actions(run(pipeline, clock, answer)) == []
+
+
 @pytest.mark.parametrize("other", ["what", "stop", "hey robot", "terminate", "more", "release"])
 def test_after_anything_else_a_yes_does_nothing(other):
     heard = commands(hear(f"0.3 pull more 0.8 {other} 0.8 {YES}"))

@@ -39,6 +39,19 @@ def test_fresh_sound_is_listening_and_old_or_late_sound_is_an_error():
         assert level == DiagnosticStatus.ERROR and fault is HearingFault.SLOW
 
 
+@pytest.mark.parametrize(("now", "is_slow"), [(100.0, True), (104.9, True), (105.1, False)])
+def test_a_spotter_that_loses_sound_is_named_for_a_while(now, is_slow):
+    health = healthy(frame_done=now)
+    for dropped in (0, 0, 1):
+        health.note_spotter(dropped, 100.0)
+    health.note_spotter(1, 104.0)
+    level, words, fault = diagnostics._summary(health, now, LIMIT)
+    assert (fault is HearingFault.SPOTTER_SLOW) == is_slow
+    assert level == (DiagnosticStatus.ERROR if is_slow else DiagnosticStatus.OK)
+    assert ("the recogniser alone hears a stop" in words) == is_slow
+    assert health.would_hear(now, LIMIT)
+
+
 @pytest.mark.parametrize(
     ("since", "words", "fault"),  # [s] since the last frame came
     [

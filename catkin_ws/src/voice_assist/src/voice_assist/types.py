@@ -119,7 +119,8 @@ class HearingFault(Enum):
     CLOCKS = "clocks_apart"
     SLOW = "recognition_slow"
     HANGS = "recognition_hangs"
-    SPOTTER_FAILED = "spotter_failed"  # the recogniser still hears one
+    SPOTTER_FAILED = "spotter_failed"  # the recogniser still hears one, here and below
+    SPOTTER_SLOW = "spotter_slow"
 
 
 @dataclass(frozen=True)

@@ -163,6 +163,11 @@ PARTS: Final = {  # by a part and the code of its status; else by the code, or b
         at_rest=Priority.LOW,
         loaded=Priority.LOW,
     ),
+    "voice: spotter_slow": Advice(
+        "Speak clearly; close other programs at the next pause.",
+        at_rest=Priority.LOW,
+        loaded=Priority.LOW,
+    ),
     "voice: no_sound_yet": Advice("Stop by hand meanwhile; look at the microphone if it lasts."),
     "voice: recognition_slow": Advice("Stop by hand meanwhile; close other programs."),
     "voice: recognition_hangs": Advice("Stop by hand meanwhile; start the voice node again."),

@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Protocol
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from voice_assist.types import FULL_SCALE, RATE, Frame, Samples, frozen_samples
 
+MIN_GAP: Final = RATE // 10  # samples of a gap where two clocks cannot say how long it was
 FRAME = 512  # samples, 32 ms; the size that the Silero detector takes
 
 Clock = Callable[[], float]  # [s]

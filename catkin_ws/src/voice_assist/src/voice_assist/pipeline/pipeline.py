@@ -59,6 +59,7 @@ if TYPE_CHECKING:
 
 Event = Partial | UtteranceDecision | Lost
 
+_SET_BACK = 0.5  # [s] by which a frame is stamped before the one before it, where a clock was set
 _PROGRESS = RATE  # samples between two notes of how far recognition has come
 _KEPT_OF_NOISE = 0.5  # [s] before a decoder pass that found nothing, which may begin a word
 _KEPT_OF_PAUSE = 0.064  # [s] before a decision in a pause that may begin the next word
@@ -140,6 +141,9 @@ class Pipeline:
     def _check_stream(self, frame: Frame) -> tuple[Event, ...]:
         """Note progress, and begin anew after a gap in the stream."""
         self._next_sample = frame.next_sample
+        if frame.stamp < self._heard_until - _SET_BACK:  # the clock was set back: no time compares
+            self._question.close()
+            self._talk_gate.reset()
         self._heard_until = frame.end
         if frame.first_sample // _PROGRESS != self._next_sample // _PROGRESS:
             self._observer(SideInput(SideInputKind.HEARD, frame.first_sample))

@@ -15,6 +15,8 @@ from voice_assist.types import HearingFault
 
 _SMOOTHING = 0.02  # per frame: what is smoothed follows within about 2 s
 CLIPPED = 0.01  # [share] of the sound at full scale from which it is worth a warning
+SPOTTER_SLOW = "the spotter does not keep up; the recogniser alone hears a stop"
+SLOW_FOR = 5.0  # [s] after the last frame that it never heard
 
 # Each gap drops the word in progress: a "stop" and the pause after it must fit between two gaps.
 # Ten synthetic ones were said to the real networks at moments spread between gaps of 32 ms. Every
@@ -42,6 +44,7 @@ class VoiceHealth:
     spotter: str = "off"  # model of the second way to a stop
     spotter_failure: str = ""  # its thread ended by an error
     spotter_dropped: int = 0  # frames that it never heard
+    spotter_dropped_at: float = float("-inf")  # [s] clock time of the last
     level: float = -100.0  # [dB] of full scale
     clipped: float = 0.0  # [share] of the sound at full scale, smoothed
     sounded_at: float = float("inf")  # [s] steady clock, when the last frame came
@@ -105,6 +108,18 @@ class VoiceHealth:
         if is_often or was_torn:
             self.torn_at = now
 
+    def note_spotter(self, dropped: int, now: float) -> None:
+        """Note how many frames the spotter never heard, and log it once as it begins to lose them.
+
+        Args:
+            dropped: Of all frames so far.
+            now: Clock time [s].
+        """
+        if dropped > self.spotter_dropped:
+            if not self.is_spotter_slow(now):
+                rospy.logerr("%s", SPOTTER_SLOW)
+            self.spotter_dropped, self.spotter_dropped_at = dropped, now
+
     def sounded(self, level: float, clipped: float) -> None:
         """Note level [dB] and clipped share [0, 1] of one frame that has just come."""
         self.sounded_at = time.monotonic()
@@ -131,6 +146,10 @@ class VoiceHealth:
         # a recording that is played faster is ahead of every clock
         apart = self.behind if self.source == "wav" else abs(self.behind)
         return now - self.frame_done < deaf_after and apart < deaf_after
+
+    def is_spotter_slow(self, now: float) -> bool:
+        """Whether the spotter recently lost sound, since it does not keep up."""
+        return 0.0 <= now - self.spotter_dropped_at < SLOW_FOR
 
     def is_torn(self, now: float, deaf_after: float) -> bool:
         """Whether gaps came too often for a stop, and one came recently."""
@@ -196,6 +215,8 @@ def _summary(
         return error, health.torn, HearingFault.TORN
     if health.spotter_failure:
         return error, health.spotter_failure, HearingFault.SPOTTER_FAILED
+    if health.is_spotter_slow(now):
+        return error, SPOTTER_SLOW, HearingFault.SPOTTER_SLOW
     if health.controller:
         return warning, health.controller, None
     if health.queued > health.capacity // 2:

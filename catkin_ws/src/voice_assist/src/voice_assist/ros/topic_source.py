@@ -10,8 +10,9 @@ from queue import Empty, Full, Queue
 import rospy
 
 from voice_assist.audio.capture.stamp_check import StampCheck
+from voice_assist.audio.capture.unstamped import GAP
 from voice_assist.audio.resample import Resampler
-from voice_assist.audio.source import Framer, Report
+from voice_assist.audio.source import MIN_GAP, Framer, Report
 from voice_assist.config import TopicConfig
 from voice_assist.msg import AudioChunk
 from voice_assist.ros.messages import pcm
@@ -83,18 +84,23 @@ class TopicSource:
 
     def __iter__(self) -> Iterator[Frame]:
         """Frames as they come; a jump of first_sample is kept as a gap."""
-        framer, resample, rate, expected = Framer(), Resampler(RATE), RATE, None
+        framer, resample, rate = Framer(), Resampler(RATE), RATE
+        expected, end = None, 0.0  # sample and stamp [s] that follow the last chunk
         while not rospy.is_shutdown():
             chunk = self._next()
             if chunk is None:
                 continue
             if chunk.rate != rate:
                 resample, rate = Resampler(chunk.rate), chunk.rate
-            if expected is not None and chunk.first_sample != expected:
-                lost = min((chunk.first_sample - expected) / rate, _MAX_GAP)
-                framer.skip(max(round(lost * RATE), RATE // 10))
-            expected = chunk.first_sample + len(chunk.samples)
-            yield from framer.push(resample(pcm(chunk)), chunk.header.stamp.to_sec())
+            stamp, sound = chunk.header.stamp.to_sec(), pcm(chunk)
+            if expected is not None:
+                lost = chunk.first_sample - expected
+                is_pause = stamp - end > GAP  # of a publisher that counts on over it
+                if lost or is_pause:
+                    seconds = min(max(lost / rate, stamp - end if is_pause else 0.0), _MAX_GAP)
+                    framer.skip(max(round(seconds * RATE), MIN_GAP))
+            expected, end = chunk.first_sample + len(sound), stamp + len(sound) / rate
+            yield from framer.push(resample(sound), stamp)
 
     def _next(self) -> AudioChunk | None:
         try:

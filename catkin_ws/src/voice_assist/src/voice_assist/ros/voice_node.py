@@ -161,7 +161,7 @@ class VoiceNode:
                 frame = self._robot.with_motion(frame)
                 if self._spotter is not None:
                     self._spotter.feed(frame)
-                    self._health.spotter_dropped = self._spotter.dropped
+                    self._health.note_spotter(self._spotter.dropped, _now())
                 self._publish.audio(frame)
                 self._health.sounded(level_db(frame.samples), at_full_scale(frame.samples))
                 try:

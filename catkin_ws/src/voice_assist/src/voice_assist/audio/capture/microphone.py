@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from voice_assist.audio.capture.portaudio import Backend, Device, Stream, choose, has_twin
 from voice_assist.audio.capture.pulse import is_monitor
 from voice_assist.audio.resample import Resampler
-from voice_assist.audio.source import Clock, Framer, Report
+from voice_assist.audio.source import MIN_GAP, Clock, Framer, Report
 from voice_assist.config import MicrophoneConfig
 from voice_assist.errors import DeviceError
 from voice_assist.types import RATE, Frame
@@ -211,7 +211,8 @@ class Microphone:
     def _resume(self, start: float) -> None:
         """The first block of an opened device began at `start` [s]; what is missing is a gap."""
         if self._heard_until is not None:
-            self._framer.skip(round((start - self._heard_until) * RATE))
+            lost = round((start - self._heard_until) * RATE)
+            self._framer.skip(max(lost, MIN_GAP))  # the clock may have been set back meanwhile
         self._report("")
 
     def _next_block(self, device: Device, is_first: bool) -> _Block:

@@ -13,7 +13,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from voice_assist.audio.source import MIN_GAP
 from voice_assist.config.voice import AudioDataConfig
+from voice_assist.types import RATE
 
 TYPES: Final = {"S16LE": "<i2", "S32LE": "<i4", "F32LE": "<f4"}
 RAW: Final = ("", "wave", "pcm", "raw")  # codings that leave samples as they are
@@ -55,7 +57,7 @@ class UnstampedStream:
         self._end: float | None = None  # [s] of the last sample
         self._arrived = 0.0  # [s] of the last message
         self._since, self._came = 0.0, 0.0  # [s] from when on is judged, sound since
-        self._is_judged = False
+        self._is_judged, self._is_resumed = False, True
 
     def inform(self, channels: int, rate: int, sample_format: str, coding_format: str) -> None:
         """Take what the publisher says of its format."""
@@ -87,8 +89,9 @@ class UnstampedStream:
                 return ""
         if self._heard is not None:
             pause = now - duration - self._heard
-            lost = max(lost, pause if pause > GAP else 0.0)
-        self._heard = now
+            least = MIN_GAP / RATE if self._is_resumed else 0.0  # the clock may have been set back
+            lost = max(lost, pause if pause > GAP else 0.0, least)
+        self._heard, self._is_resumed = now, False
         return SoundBlock(_as_sound(samples), now - duration, lost)
 
     def _malformed(self, data: bytes) -> str:
