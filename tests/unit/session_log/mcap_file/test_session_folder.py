@@ -126,6 +126,15 @@ def test_recordings_are_found_in_and_below_a_folder_each_once(tmp_path):
     assert recordings([tmp_path, paths[0]]) == sorted(paths)
 
 
+def test_recordings_of_linked_folders_are_found_and_a_link_that_leads_back_ends(tmp_path):
+    sessions, disk = tmp_path / "sessions", tmp_path / "disk"
+    record(disk / "old", b"1")
+    sessions.mkdir()
+    (sessions / "linked").symlink_to(disk)
+    (disk / "back").symlink_to(sessions)
+    assert recordings([sessions]) == [sessions / "linked" / "old" / "pivot" / "session.mcap"]
+
+
 def test_a_folder_below_that_cannot_be_read_is_refused_by_name(tmp_path, monkeypatch):
     """Its sessions would be missing from the report, and nobody would be told."""
     record(tmp_path, b"readable")

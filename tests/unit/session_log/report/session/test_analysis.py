@@ -60,7 +60,13 @@ def test_latency_runs_from_the_end_of_speech_to_the_start_of_motion(report_confi
 
 
 @pytest.mark.parametrize(
-    ("caller", "by"), [("/pedal", "pedal"), ("/rosservice_812_1764", "rosservice"), ("", "hand")]
+    ("caller", "by"),
+    [
+        ("/pedal", "pedal"),
+        ("/rosservice_812_1764", "rosservice"),
+        ("", "hand"),
+        ("/voice", "/voice"),  # a node of that name; nothing was said
+    ],
 )
 def test_what_is_pressed_is_timed_from_its_answer(report_config, caller, by):
     events = [

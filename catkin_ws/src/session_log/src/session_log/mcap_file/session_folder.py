@@ -94,8 +94,12 @@ def report_folder(recording: Path) -> Path:
 
 
 def _all_below(folder: Path) -> Iterator[Path]:
-    """All recordings in and below a folder; `rglob` leaves out folders that cannot be read."""
-    for path, _, names in os.walk(folder, onerror=_refuse):
+    """All recordings in and below a folder, linked ones too; what cannot be read is refused."""
+    seen = {folder.resolve()}  # a link may lead back
+    for path, folders, names in os.walk(folder, onerror=_refuse, followlinks=True):
+        new = {name: Path(path, name).resolve() for name in folders}
+        folders[:] = [name for name in sorted(folders) if new[name] not in seen]
+        seen.update(new.values())
         yield from (Path(path, name) for name in fnmatch.filter(names, MCAP))
 
 

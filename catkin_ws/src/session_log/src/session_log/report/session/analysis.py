@@ -56,7 +56,8 @@ class CommandRow:
         """Voice, or the node that asked without the numbers of its run; a hand where unknown."""
         if self.heard:
             return VOICE
-        return re.sub(r"(_\d+)+$", "", self.caller.lstrip("/")) or "hand"
+        name = re.sub(r"(_\d+)+$", "", self.caller.lstrip("/"))
+        return f"/{name}" if name == VOICE else name or "hand"
 
     @property
     def reaction(self) -> float:
