@@ -11,6 +11,7 @@ from bench import page
 from bench.catalogue import AREAS, measurable, parts
 from bench.common.part import HUMAN
 from bench.readme_rows import ReadmeRow
+from bench.site.fixed_sessions import translated
 from support import figures as support_figures
 from support import product_code
 from support.figures import Figure, rate, read, share, write
@@ -357,3 +358,12 @@ def test_a_moved_commented_or_reordered_definition_is_the_same_code():
 def test_rooms_that_are_not_there_are_named():
     with pytest.raises(FileNotFoundError, match="rst_control/nowhere"):
         identity(["rst_control/nowhere"])
+
+
+def test_digests_of_another_processor_are_translated_by_the_versions_that_ran_on_both():
+    known = {"set-points old": "a", "set-points older": "a", "velocities old": "a"}
+    here = {**known, "set-points old": "b"}
+    found = translated(known, here)
+    assert found == {"set-points old": "b", "set-points older": "b", "velocities old": "a"}
+    with pytest.raises(ValueError, match="set-points: a has two digests"):
+        translated(known, {"set-points old": "b", "set-points older": "c"})
