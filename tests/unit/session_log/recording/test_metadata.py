@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
+import copy
 import hashlib
 import subprocess
 from fractions import Fraction
@@ -179,3 +180,26 @@ def test_a_master_whose_answer_breaks_off_costs_no_turn_of_the_recorder(watched)
 
     recorded, offered, warned = watched(broken)
     assert recorded == {} and offered == [] and "parameters" in warned[0]
+
+
+def test_what_did_not_change_is_hashed_and_written_out_once(monkeypatch, tmp_path):
+    """The heartbeat waits for it, and large files take long."""
+    weights, hashed, recorded = tmp_path / "weights.pt", [], []
+    weights.write_bytes(b"large")
+    file_hash = metadata.file_hash
+    monkeypatch.setattr(metadata, "file_hash", lambda path: hashed.append(path) or file_hash(path))
+    recorder = SimpleNamespace(
+        register=lambda source: source,
+        add_metadata=lambda name, values: recorded.append(name),
+        offer=lambda tally, data: None,
+    )
+    parameters = {"day": DateTime("20261121T09:30:00"), "model": Binary(b"x"), "gain": 1}
+    parameters |= {"session": {"mine": {"weights": str(weights)}}}
+    monkeypatch.setattr(recorder_node, "ask_master", lambda *_: copy.deepcopy(parameters))
+    watcher = recorder_node.ParameterWatcher(recorder, Namespace("/"))
+    for _ in range(3):
+        watcher.check()
+    assert hashed == [weights] and recorded == ["parameters", "session/mine"]
+    parameters["model"] = Binary(b"y")
+    watcher.check()
+    assert hashed == [weights] and recorded == ["parameters", "session/mine", "parameters"]

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
+import rospy
 
 from session_log.config import FoxgloveConfig
 from session_log.recording.namespace import Namespace
@@ -69,7 +70,9 @@ class Subscriber:
         """Receive a latched message."""
         header = {"latching": "1", "callerid": publisher}
         data = bytes(4) + text.encode()
-        self.receive(SimpleNamespace(_connection_header=header, _buff=data))
+        message = rospy.AnyMsg()
+        message._connection_header, message._buff = header, data
+        self.receive(message)
 
 
 @pytest.fixture
@@ -217,3 +220,16 @@ def test_a_later_viewer_gets_nothing_of_a_publisher_that_has_gone(view):
     frames.latch("/trocar", "trocar")
     frames.open("/trocar")
     assert view() == (frames, ["trocar"])
+
+
+def test_a_topic_whose_type_nobody_knows_hides_no_other_and_is_offered_once_it_has_one(
+    topics, channel, monkeypatch
+):
+    """A relay offers messages of any type, until it hears the first."""
+    known = [("/relay", "*"), ("/odd", "odd"), ("/a", "std_msgs/String")]
+    monkeypatch.setattr(foxglove_node, "published_topics", lambda: known)
+    topics.search()
+    assert channel.topics[-1] == "/a" and "/relay" not in channel.topics
+    known[0] = ("/relay", "std_msgs/String")
+    topics.search()
+    assert channel.topics[-1] == "/relay" and "/odd" not in channel.topics

@@ -2,10 +2,13 @@
 """How the recorder node ends."""
 
 import threading
+from io import BytesIO
 from types import SimpleNamespace
 from unittest.mock import MagicMock
 
 import pytest
+import rospy
+from rosgraph_msgs.msg import Clock
 
 from session_log.recording.namespace import Namespace
 from session_log.ros import discovery, recorder_node
@@ -72,8 +75,24 @@ def test_what_comes_after_the_end_is_not_offered_to_the_recorder(monkeypatch):
     topics = discovery.TopicSubscriber(recorder, Namespace("/"), ())
     topics.subscribe("/joint_states")
     header = {"type": "std_msgs/Empty", "callerid": "/robot"}
-    message = SimpleNamespace(_connection_header=header, _buff=b"")
+    message = rospy.AnyMsg()
+    message._connection_header, message._buff = header, b""
     for _ in range(2):
         taken[0](message)
         topics.close()
     assert recorder.offer.call_count == 1
+
+
+def test_a_topic_that_rospy_itself_reads_is_recorded_as_it_came(monkeypatch):
+    """Its subscriber has the class of the message, which then comes to all of them."""
+    taken, recorder = [], MagicMock()
+    monkeypatch.setattr(
+        discovery.rospy, "Subscriber", lambda name, kind, take, **_: taken.append(take)
+    )
+    discovery.TopicSubscriber(recorder, Namespace("/"), ()).subscribe("/clock")
+    message, buffer = Clock(rospy.Time(5, 7)), BytesIO()
+    message.serialize(buffer)
+    message._connection_header = {"type": "rosgraph_msgs/Clock", "callerid": "/robot"}
+    taken[0](message)
+    (_, data), _ = recorder.offer.call_args
+    assert data == buffer.getvalue()

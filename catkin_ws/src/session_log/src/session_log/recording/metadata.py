@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import os
 import platform
 import re
@@ -81,6 +82,11 @@ def parameter_facts(parameters: Mapping[str, Any]) -> dict[str, str]:
     }
 
 
+def content(value: Any) -> str:
+    """A text that tells two values of the parameter server apart, made in little time."""
+    return json.dumps(value, sort_keys=True, default=_told)
+
+
 def settings_at(parameters: Mapping[str, str], path: str) -> Mapping[str, Any]:
     """The part of recorded parameters at a path such as `/robot_1/voice_assist`; empty: none.
 
@@ -122,6 +128,14 @@ def _yaml(value: Any) -> str:
     except Exception as error:  # whatever is wrong with one key must not cost the others
         reason = " ".join(str(error).split())  # on one line, or it would be no comment
         return f"{NOT_RECORDED}{type(error).__name__}: {reason}"
+
+
+def _told(value: Any) -> str:
+    """What JSON cannot hold, such as dates and binary data, as text."""
+    try:
+        return value.data.hex() if isinstance(value, Binary) else str(value)
+    except Exception:  # as in `_yaml`
+        return type(value).__name__
 
 
 def _plain(value: Any) -> Any:

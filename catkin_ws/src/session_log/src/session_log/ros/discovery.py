@@ -7,6 +7,7 @@ import re
 import threading
 from collections.abc import Iterable
 from functools import partial
+from io import BytesIO
 
 import rospy
 
@@ -54,7 +55,7 @@ class TopicSubscriber:
         """Stop receiving, without the master, which may hang; rospy unregisters afterwards."""
         self._is_closed = True
 
-    def _receive(self, topic: str, message: rospy.AnyMsg) -> None:
+    def _receive(self, topic: str, message: rospy.Message) -> None:
         if self._is_closed:
             return
         header = message._connection_header
@@ -66,7 +67,17 @@ class TopicSubscriber:
                 return
             source = _source(topic, header, self._namespace.publisher(publisher))
             tally = self._tallies[key] = self._recorder.register(source)
-        self._recorder.offer(tally, message._buff)
+        self._recorder.offer(tally, data_of(message))
+
+
+def data_of(message: rospy.Message) -> bytes:
+    """A message as it came: where rospy itself reads its topic, as `/clock`, it comes decoded."""
+    if isinstance(message, rospy.AnyMsg):
+        data: bytes = message._buff
+        return data
+    buffer = BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()
 
 
 def _source(topic: str, header: dict[str, str], publisher: str) -> MessageSource:

@@ -22,6 +22,7 @@ from std_msgs.msg import String
 
 from session_log.config import FoxgloveConfig
 from session_log.recording.namespace import Namespace
+from session_log.ros.discovery import data_of
 from session_log.types import URDF_TOPIC
 from typed_config import package_file
 from typed_config.priority import set_priority
@@ -86,7 +87,9 @@ class LiveTopics:
             is_ours = self._namespace.has_topic(name)
             if shown in self._channels or shown in self._refused or not is_ours:
                 continue
-            message = roslib.message.get_message_class(kind)
+            if kind == rospy.AnyMsg._type:
+                continue  # nobody knows yet what it is
+            message = _class_of(kind)
             is_excluded = kind in SOUND or any(one.fullmatch(shown) for one in self._exclude)
             if message is None or is_excluded:
                 self._refused.add(shown)
@@ -133,7 +136,7 @@ class LiveTopics:
         elif topic not in self._subscribers:
             self._latched.pop(topic, None)
 
-            def receive(message: rospy.AnyMsg) -> None:
+            def receive(message: rospy.Message) -> None:
                 self._receive(topic, message)
 
             name = self._names[topic]
@@ -162,13 +165,22 @@ class LiveTopics:
             if subscriber is None or publisher in open_callers(subscriber):
                 self._channels[topic].log(last)
 
-    def _receive(self, topic: str, message: rospy.AnyMsg) -> None:
-        header = message._connection_header
+    def _receive(self, topic: str, message: rospy.Message) -> None:
+        header, data = message._connection_header, data_of(message)
         if header.get("latching") == "1":
             latched, publisher = self._latched.setdefault(topic, {}), header.get("callerid", "")
             latched.pop(publisher, None)
-            latched[publisher] = message._buff
-        self._channels[topic].log(message._buff)
+            latched[publisher] = data
+        self._channels[topic].log(data)
+
+
+def _class_of(kind: str) -> type[Any] | None:
+    """Class of a type of messages; None: it is not built here, or no name of a type."""
+    try:
+        found: type[Any] | None = roslib.message.get_message_class(kind)
+    except ValueError:
+        return None
+    return found
 
 
 def serve(config: FoxgloveConfig) -> None:

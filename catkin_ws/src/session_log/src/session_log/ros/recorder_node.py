@@ -83,7 +83,10 @@ class ParameterWatcher:
         self._urdf = recorder.register(source)
 
     def check(self) -> None:
-        """Compare with the last check and record what changed."""
+        """Compare with the last check and record what changed.
+
+        Only what changed is written out and hashed: the heartbeat waits meanwhile.
+        """
         try:
             every = cast(dict[str, Any], ask_master("getParam", "/"))
         except FAILURES as error:
@@ -91,18 +94,16 @@ class ParameterWatcher:
             return
         parameters = self._namespace.parameters(every)
         facts = parameters.pop(FACTS, {})
-        texts = metadata.parameter_facts(parameters)
-        self._record(metadata.PARAMETERS, texts)
-        _warn_of_lost(texts)
+        if self._is_new(metadata.PARAMETERS, metadata.content(parameters)):
+            texts = metadata.parameter_facts(parameters)
+            self._recorder.add_metadata(metadata.PARAMETERS, texts)
+            _warn_of_lost(texts)
         for name, values in facts.items() if isinstance(facts, dict) else ():
-            if isinstance(values, dict):
-                self._record(f"session/{name}", metadata.named_facts(values))
+            record = f"session/{name}"
+            if isinstance(values, dict) and self._is_new(record, metadata.content(values)):
+                self._recorder.add_metadata(record, metadata.named_facts(values))
         if isinstance(parameters.get("robot_description"), str):
             self._record_urdf(parameters["robot_description"])
-
-    def _record(self, name: str, values: dict[str, str]) -> None:
-        if self._is_new(name, repr(sorted(values.items()))):
-            self._recorder.add_metadata(name, values)
 
     def _record_urdf(self, urdf: str) -> None:
         """Keep the URDF as a latched message, so that viewers show the robot."""
