@@ -242,6 +242,18 @@ def test_another_kind_of_file_is_refused_by_name(tmp_path, content, words):
         SessionReader(tmp_path / "x")
 
 
+@pytest.mark.parametrize(
+    ("name", "content", "helps"),
+    [("s.mcap", b"\x88MCAP0\r\n...", True), ("s.mcap", b"", False), ("s.bag", b"#ROSBAG", False)],
+)
+def test_a_damaged_beginning_names_the_command_that_may_help(tmp_path, name, content, helps):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(NotASession) as refused:
+        SessionReader(tmp_path / name)
+    assert str(refused.value).endswith(", `session_log recover` may help") == helps
+    assert ("recover" in str(refused.value)) == helps
+
+
 def test_a_missing_file_and_an_empty_folder_are_named(tmp_path):
     with pytest.raises(SessionMissing, match="none: no such file"):
         SessionReader(tmp_path / "none")

@@ -9,6 +9,7 @@ from session_log.config import RecorderConfig
 from session_log.errors import RecordingFailed, SessionMissing
 from session_log.mcap_file import session_folder
 from session_log.mcap_file.reader import SessionReader
+from session_log.mcap_file.recover import recover
 from session_log.mcap_file.session_folder import (
     open_session,
     recordings,
@@ -149,3 +150,50 @@ def test_a_folder_below_that_cannot_be_read_is_refused_by_name(tmp_path, monkeyp
     monkeypatch.setattr(os, "scandir", refuse)
     with pytest.raises(SessionMissing, match=r"/closed: Permission denied$"):
         recordings([tmp_path])
+
+
+def recovered(original, bit=0):
+    """The copy of a recording of which then one bit is wrong; None: no bit of it."""
+    copy = original.with_stem(original.stem + "_recovered")
+    recover(SessionReader(original, tolerant=True), copy)
+    if bit is not None:
+        content = bytearray(original.read_bytes())
+        content[bit // 8] ^= 1 << bit % 8
+        original.write_bytes(content)
+    return copy
+
+
+@pytest.mark.parametrize("bit", [0, 63])
+def test_a_recovered_copy_counts_where_its_original_has_a_damaged_beginning(tmp_path, bit):
+    original = record(tmp_path / "damaged", b"1")
+    copy = recovered(original, bit)
+    sound = record(tmp_path / "sound", b"2")
+    recovered(sound, None)
+    assert recordings([tmp_path]) == [copy, sound]
+    assert recordings([tmp_path, original]) == [copy, sound, original]  # by its own name
+    assert report_folder(copy) == copy.with_suffix("")
+    assert report_folder(original) == original.parent
+
+
+def test_of_a_damaged_copy_its_own_copy_counts(tmp_path):
+    first = recovered(record(tmp_path, b"1"))
+    second = recovered(first)
+    assert recordings([tmp_path]) == [second]
+    assert len({report_folder(p) for p in second.parent.glob("*.mcap")}) == 3
+
+
+def test_a_damaged_beginning_without_a_copy_is_found(tmp_path):
+    """Else nobody would be told that it cannot be read."""
+    original = record(tmp_path, b"1")
+    recovered(original).unlink()
+    assert recordings([tmp_path]) == [original]
+
+
+def test_the_place_of_a_report_does_not_change_where_a_beginning_is_damaged(tmp_path):
+    path = tmp_path / "bag.mcap"
+    path.write_bytes(record(tmp_path / "of", b"1").read_bytes())
+    copy = recovered(path, None)
+    places = [report_folder(path), report_folder(copy)]
+    assert places == [tmp_path, tmp_path / "bag_recovered"]
+    path.write_bytes(b"damaged")
+    assert [report_folder(path), report_folder(copy)] == places

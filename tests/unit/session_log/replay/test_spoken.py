@@ -7,7 +7,7 @@ import pytest
 from session_log.errors import SessionLogError
 from session_log.replay import spoken as spoken_room
 from session_log.replay.spoken import AROUND, spoken
-from support.story import Story, recording_of
+from support.story import START, Story, recording_of
 from tests.unit.session_log.support.voice_recording import BLOCK, say, say_sound
 
 RATE = 16000
@@ -46,6 +46,28 @@ def test_lost_sound_is_silence(tmp_path):
 def test_an_utterance_without_any_sound_is_left_out(tmp_path):
     path = written(tmp_path / "session.mcap", [(20.0, 21.0, "tense", "tense")])
     assert spoken(path) == []
+
+
+@pytest.mark.parametrize(
+    ("start", "end"),
+    [(1.0 - START * 1e-9, 2.0), (2.0, 2.0 + 3600.0), (2.0, 1.0 - START * 1e-9), (2.5, 2.1)],
+    ids=["from 1970 to now", "an hour forward", "back to 1970", "a little back"],
+)
+def test_an_utterance_during_which_the_clock_was_set_is_left_out(tmp_path, start, end):
+    story = Story()
+    for number in range(round(6.0 * RATE / BLOCK)):
+        say_sound(story, number * BLOCK / RATE, number * BLOCK, number + 1)
+    say(story, 1.5, transcript="first", speech_start=1.0)
+    say(story, 2.0, transcript="odd", speech_start=start, speech_end=end)
+    say(story, 3.4, transcript="last", speech_start=3.0)
+    recording_of(tmp_path / "s.mcap", sorted(story.messages, key=lambda m: m.log_time))
+    assert [one.heard for one in spoken(tmp_path / "s.mcap")] == ["first", "last"]
+
+
+def test_the_longest_utterance_that_the_settings_allow_is_kept(tmp_path):
+    said = [(1.0, 29.0, "talk", ""), (3.0, 3.4, "ten", "")]
+    found = spoken(written(tmp_path / "session.mcap", said))
+    assert [one.heard for one in found] == ["talk", "ten"]
 
 
 def test_a_block_is_given_only_to_the_utterances_near_it(tmp_path, monkeypatch):

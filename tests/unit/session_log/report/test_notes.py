@@ -24,6 +24,15 @@ def test_notes_are_lines_of_a_file_that_people_may_edit(tmp_path):
     )
 
 
+@pytest.mark.parametrize("old", ["calibrated", "calibrated\n", "calibrated\r\n"])
+def test_a_note_begins_a_line_of_its_own_behind_one_that_has_no_end(tmp_path, old):
+    recording = tmp_path / "session.mcap"
+    notes_file(recording).write_bytes(old.encode())
+    add_note(recording, Note("cough", 12.0))
+    assert read_notes(recording) == (Note("calibrated"), Note("cough", 12.0))
+    assert notes_file(recording).read_bytes().count(b"\n") == 2
+
+
 @pytest.fixture
 def noted(story, tmp_path, capsys):
     """Writes a note on the story, or on the first bytes of it; gives status and what is said."""

@@ -2,6 +2,7 @@
 """The player before it meets ROS: what keeps it from playing is one line, at once."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -127,6 +128,54 @@ def test_a_viewer_that_comes_late_gets_the_static_frames_of_every_node(
     last = class_of("tf2_msgs/TFMessage")().deserialize(topic.sent[1])
     assert [f.child_frame_id for f in last.transforms] == ["trocar", "camera"]
     assert (topic.sent[0], topic.sent[2]) == (messages[0].data, b"x")
+
+
+def text_then(path, rest):
+    """A player of a recording of /x: a text, then the rest."""
+    text = source_of("/x", "std_msgs/String")
+    messages = [Message(text, b"\1\0\0\0a", NOW, 1), *rest]
+    session = recording_of(path, messages)
+    return player_node.RecordingPlayer(session, 1.0, "/played", pytest.fail)
+
+
+def test_of_a_topic_of_two_types_only_the_last_is_played_and_it_is_said(
+    monkeypatch, tmp_path, waits, capsys
+):
+    """The bytes of a text would be taken for a number."""
+    monkeypatch.setattr(player_node.rospy, "is_shutdown", lambda: False)
+    monkeypatch.setattr(player_node.rospy, "Publisher", Topic)
+    number = Message(source_of("/x", "std_msgs/Int32"), b"\7\0\0\0", NOW + 1, 1)
+    player = text_then(tmp_path / "s.mcap", [number])
+    player.prepare()
+    player.play()
+    (topic,) = player._out.values()
+    assert (topic.sent, player.count) == ([number.data], 1)
+    assert topic.data_class._type == "std_msgs/Int32"
+    said = capsys.readouterr().out
+    assert said == "1 messages of /x of another type are not played\n"
+
+
+def test_messages_of_one_type_by_two_nodes_are_all_played(monkeypatch, tmp_path, waits, capsys):
+    monkeypatch.setattr(player_node.rospy, "is_shutdown", lambda: False)
+    monkeypatch.setattr(player_node.rospy, "Publisher", Topic)
+    other = Message(source_of("/x", "std_msgs/String", "/other"), b"\1\0\0\0b", NOW + 1, 1)
+    player = text_then(tmp_path / "s.mcap", [other])
+    player.prepare()
+    player.play()
+    (topic,) = player._out.values()
+    assert topic.sent == [b"\1\0\0\0a", b"\1\0\0\0b"] and not capsys.readouterr().out
+
+
+def test_a_topic_whose_first_messages_are_none_of_ros_1_is_refused(monkeypatch, tmp_path):
+    monkeypatch.setattr(player_node.rospy, "Publisher", Topic)
+    sound = source_of("/x", "std_msgs/String")
+    foreign = replace(sound, message_encoding="cdr", schema_encoding="ros2msg")
+    messages = [Message(s, b"\1\0\0\0a", NOW + k, 1) for k, s in enumerate((foreign, sound))]
+    session = recording_of(tmp_path / "s.mcap")
+    monkeypatch.setattr(session, "messages", lambda: iter(messages))
+    player = player_node.RecordingPlayer(session, 1.0, "/played", pytest.fail)
+    with pytest.raises(WrongEncoding, match="/x: recorded as 'cdr'"):
+        player.prepare()
 
 
 def test_messages_that_are_none_of_ros_1_are_not_played(tmp_path):

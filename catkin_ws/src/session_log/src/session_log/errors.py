@@ -22,7 +22,9 @@ class NotASession(SessionLogError):
     """The file exists but is not an MCAP recording."""
 
     def __init__(self, path: Path, found: str) -> None:
-        super().__init__(f"{path} is not an MCAP recording: it {found}")
+        is_damaged = path.suffix == ".mcap" and found.startswith("begins")  # an empty one is lost
+        help_ = ", `session_log recover` may help" if is_damaged else ""
+        super().__init__(f"{path} is not an MCAP recording: it {found}{help_}")
         self.path = path
 
 

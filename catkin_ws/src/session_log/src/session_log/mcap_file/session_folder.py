@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from session_log.errors import RecordingFailed, SessionMissing
+from session_log.mcap_file.records import MAGIC
 from session_log.mcap_file.writer import SessionWriter
 from typed_config import RECORDING, number_of, numbered_recordings, repository
 
@@ -54,7 +55,8 @@ def open_session(folder: Path, name: str, started: int, suffix: str = "") -> Ses
 def recordings(inputs: Iterable[Path]) -> list[Path]:
     """Every recording that is named or lies below a named folder, each once, in order of name.
 
-    A recovered copy that a search finds is left out where its original lies beside it.
+    Of an original and its recovered copy, a search takes the original. Where that does not begin
+    as a recording does, it takes the copy.
 
     Raises:
         SessionMissing: Something named is not there or holds no recording, or a folder below it
@@ -87,9 +89,8 @@ def report_folder(recording: Path) -> Path:
     if recording.name == RECORDING:
         return folder
     mine = recording.resolve()
-    has_others = _is_copy(recording) or any(
-        r.resolve() != mine for r in _originals(folder.glob(MCAP))
-    )
+    beside = (r for r in folder.glob(MCAP) if r.is_file() and not _is_copy(r))
+    has_others = _is_copy(recording) or any(r.resolve() != mine for r in beside)
     return folder / recording.stem if has_others else folder
 
 
@@ -108,13 +109,32 @@ def _refuse(error: OSError) -> NoReturn:
 
 
 def _originals(found: Iterable[Path]) -> list[Path]:
+    """Recordings without copies; a damaged beginning gives the place to the copy."""
     files = sorted(filter(Path.is_file, found))
-    return [recording for recording in files if not _is_copy(recording)]
+    known = set(files)
+    copied = (path for path in files if path.with_stem(path.stem + RECOVERED) in known)
+    replaced = {path for path in copied if not _begins_as_mcap(path)}
+    return [
+        path
+        for path in files
+        if path not in replaced and (not _is_copy(path) or _original(path) in replaced)
+    ]
 
 
 def _is_copy(recording: Path) -> bool:
-    original = recording.stem.removesuffix(RECOVERED)
-    return original != recording.stem and recording.with_stem(original).exists()
+    return recording.stem.endswith(RECOVERED) and _original(recording).exists()
+
+
+def _original(copy: Path) -> Path:
+    return copy.with_stem(copy.stem.removesuffix(RECOVERED))
+
+
+def _begins_as_mcap(path: Path) -> bool:
+    try:
+        with path.open("rb") as file:
+            return file.read(len(MAGIC)) == MAGIC
+    except OSError:
+        return False
 
 
 def _free(path: Path) -> Path:

@@ -24,6 +24,7 @@ from session_log.replay.recorded_voice import RATE, RecordedDecision, read_voice
 from typed_config import load_file
 
 AROUND = 0.4  # [s] of sound kept before and after the speech
+LONGEST = 30.0  # [s] of speech: a pipeline cuts it after 28 at most; more is a clock that was set
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +40,8 @@ class SpokenUtterance:
 def spoken(path: Path) -> list[SpokenUtterance]:
     """Every utterance of a recording whose sound is in it, in the order of its speech.
 
+    One during which the clock was set is left out: where its sound lies is not known.
+
     Args:
         path: An MCAP file, or the folder of a session.
 
@@ -50,8 +53,8 @@ def spoken(path: Path) -> list[SpokenUtterance]:
     voice = read_voice(reader, config)
     if not voice.start:
         raise SessionMissing(reader.path, "holds no readable message")
-    utterances = sorted(voice.utterances, key=lambda one: one.speech_start)
-    cut = [_Window(one) for one in utterances]
+    timed = [u for u in voice.utterances if 0.0 <= u.speech_end - u.speech_start <= LONGEST]
+    cut = [_Window(one) for one in sorted(timed, key=lambda one: one.speech_start)]
     starts = [window.start for window in cut]
     ends = list(accumulate((window.end for window in cut), max))  # of each and all before it
     decoder = Decoder()

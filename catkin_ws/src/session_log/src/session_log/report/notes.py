@@ -35,16 +35,20 @@ def read_notes(recording: Path) -> tuple[Note, ...]:
 
 
 def add_note(recording: Path, note: Note) -> Path:
-    """Add a line.
+    """Add a line, also behind a last one that an editor left without its end.
 
     Raises:
         OutputFailed: The file cannot be written.
     """
     target = notes_file(recording)
     moment = "" if note.time is None else f"{note.time:g} s: "
+    line = moment + " ".join(note.words.split()) + "\n"
     try:
-        with target.open("a", encoding="utf-8") as file:
-            file.write(moment + " ".join(note.words.split()) + "\n")
+        with target.open("a+b") as file:  # it is read from anywhere, and written at its end
+            file.seek(0)
+            old = file.read()
+            is_open = bool(old) and not old.endswith(b"\n")
+            file.write((b"\n" if is_open else b"") + line.encode())
     except OSError as error:
         raise OutputFailed(target, error) from error
     return target

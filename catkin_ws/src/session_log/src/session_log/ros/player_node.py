@@ -11,7 +11,8 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Callable, Collection
+from collections import Counter
+from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from datetime import datetime
 from io import BytesIO
@@ -68,6 +69,7 @@ class RecordingPlayer:
         self._reader, self._rate, self._prefix, self._live = reader, rate, prefix, live
         self._checked = 0.0  # [s] steady clock
         self._out: dict[str, rospy.Publisher] = {}
+        self._kinds: dict[str, tuple[str, str]] = {}  # of each topic's publisher
         self._frames = StaticFrames()
         self._names: list[str] = []  # of the topics that are played
         self.count = 0
@@ -75,21 +77,37 @@ class RecordingPlayer:
     def prepare(self) -> None:
         """Announce every topic, and set the recorded robot_description.
 
+        A publisher has one type: of a topic that changed it, only the last is played.
+
         Raises:
             LiveSystem: A running system has one of the topics.
             WrongEncoding: A topic holds messages that are none of ROS 1.
         """
-        sources = {m.source.topic: m for m in self._reader.messages()}
-        for message in sources.values():
-            if not message.source.is_ros1:
-                raise WrongEncoding(message.source)
-        self._names = [self._prefix + topic for topic in sources]
+        counts: Counter[MessageSource] = Counter()
+        newest: dict[str, Message] = {}  # by topic
+        for message in self._reader.messages():
+            counts[message.source] += 1
+            newest[message.source.topic] = message
+        for source in counts:
+            if not source.is_ros1:
+                raise WrongEncoding(source)
+        self._names = [self._prefix + topic for topic in newest]
         self._check()
-        for topic, message in sources.items():
+        for topic, message in newest.items():
             self._out[topic] = _publisher(message.source, self._prefix + topic)
+            self._kinds[topic] = _kind(message.source)
             if topic == URDF_TOPIC:
                 words = message.data[4:].decode("utf-8", "replace")
                 rospy.set_param(self._prefix + URDF_TOPIC, words)
+        self._say_left_out(counts)
+
+    def _say_left_out(self, counts: Mapping[MessageSource, int]) -> None:
+        left_out: Counter[str] = Counter()
+        for source, count in counts.items():
+            if _kind(source) != self._kinds[source.topic]:
+                left_out[source.topic] += count
+        for topic, count in left_out.items():
+            print(f"{count} messages of {topic} of another type are not played", flush=True)
 
     def _check(self) -> None:
         if self._prefix or time.monotonic() - self._checked < CHECK_PERIOD:
@@ -129,8 +147,9 @@ class RecordingPlayer:
         return True
 
     def _publish(self, message: Message) -> None:
-        publisher = self._out.get(message.source.topic)
-        if publisher is not None:
+        topic = message.source.topic
+        publisher = self._out.get(topic)
+        if publisher is not None and self._kinds[topic] == _kind(message.source):
             publisher.publish(publisher.data_class(self._bytes_of(message)))
             self.count += 1
 
@@ -169,6 +188,11 @@ def _clock_step(before: int, now: int) -> str:
     seconds = (now - before) * 1e-9
     words = f"the clock was set forward by {seconds:.1f} s at {at:%Y-%m-%d %H:%M:%S %Z}"
     return f"{words}, or nothing was recorded meanwhile"
+
+
+def _kind(source: MessageSource) -> tuple[str, str]:
+    """What tells the types of messages apart."""
+    return source.datatype, source.md5sum
 
 
 def _publisher(source: MessageSource, name: str) -> rospy.Publisher:
