@@ -9,6 +9,7 @@ import yaml
 from session_log.mcap_file.reader import SessionReader
 from session_log.report.session.analysis import loop_timing
 from session_log.report.session.extract import extract
+from session_log.report.session.session_data import SampledTable
 from session_log.report.session.tension import tension_with_target
 from support.message_classes import class_of
 from support.story import MOTION, OUTSIDE_UNTIL, SPEECH, Story, recording_of
@@ -318,3 +319,31 @@ def test_the_voice_mode_ends_with_the_sound_unless_it_was_said_later(extracted, 
     story.say(20.0, "/voice_assist/device", "voice_assist/DeviceCall", phrase="light on")
     (span,) = extracted(sorted(story.messages, key=lambda message: message.log_time)).modes
     assert (span.start, span.end) == pytest.approx((said, end), abs=0.11)
+
+
+def test_a_table_is_put_in_order_of_time_and_rows_of_one_time_keep_theirs():
+    table = SampledTable(("time", "value"))
+    table.sort()
+    assert not len(table)
+    table.extend(np.array([1.0, 4.0, 5.0]), np.array([0.0, 1.0, 2.0]))
+    table.extend(np.array([2.0, 4.0, 4.0]), np.array([3.0, 4.0, 5.0]))
+    for _ in range(2):  # nothing changes where it is in order
+        table.sort()
+        assert table["time"].tolist() == [1.0, 2.0, 4.0, 4.0, 4.0, 5.0]
+        assert table["value"].tolist() == [0.0, 3.0, 1.0, 4.0, 5.0, 2.0]
+    table.extend(np.array([6.0]), np.array([6.0]))
+    assert len(table) == 7
+
+
+def test_samples_of_two_publishers_of_a_topic_are_in_order_of_time(extracted):
+    messages = []
+    for publisher, times in (("/sensor_1", range(1500)), ("/sensor_2", range(2000, 5000))):
+        story = Story()
+        for k in times:
+            pull(story, k / 100, 1.0)
+        messages += [
+            m._replace(source=replace(m.source, publisher=publisher)) for m in story.messages
+        ]
+    time = extracted(messages).tension["time"]
+    assert (np.diff(time) >= 0.0).all()
+    assert (time[0], time[-1]) == pytest.approx((0.0, 49.99), abs=0.02)

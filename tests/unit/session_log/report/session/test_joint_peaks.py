@@ -48,11 +48,32 @@ def test_a_lean_between_two_samples_is_the_largest_error_and_the_smallest_margin
     assert time[error.argmax()] == pytest.approx(0.502, abs=0.02)
 
 
-def test_joint_states_that_change_their_names_are_left_to_the_samples(tmp_path, report_config):
+def test_joint_states_that_change_their_names_give_the_extremes_of_each_list(
+    tmp_path, report_config
+):
     first, second = leaning(), leaning(names=("other",))
     mixed = [b if k % 3 else a for k, (a, b) in enumerate(zip(first, second, strict=True))]
     data = extract(recording_of(tmp_path / "s.mcap", mixed), report_config)
-    assert not data.joint_ranges and not data.missing_fields and not data.undecodable
+    assert data.joint_ranges == {"turn": (0.0, TILT), "other": (0.0, TILT)}
+    assert data.rcm_peaks["error"].max() == pytest.approx(TROCAR[2] * np.sin(TILT))
+    assert not data.missing_fields and not data.undecodable
+
+
+@pytest.mark.parametrize(
+    ("names", "position"),
+    [([], []), (["other"], [0.5]), (["turn", "other"], [0.0, 0.0]), ([], [0.5]), (["turn"], [])],
+)
+def test_one_odd_joint_state_hides_no_lean_between_two_samples(
+    tmp_path, report_config, names, position
+):
+    story = Story()
+    story.say(0.3, "/joint_states", "sensor_msgs/JointState", name=names, position=position)
+    messages = sorted([*leaning(), *story.messages], key=lambda message: message.log_time)
+    data = extract(recording_of(tmp_path / "s.mcap", messages), report_config)
+    assert smallest_margin(data) == pytest.approx(2.2 - TILT)
+    largest = rcm_from_joints(data, report_config).largest
+    assert largest == pytest.approx(TROCAR[2] * np.sin(TILT))
+    assert not data.missing_fields and not data.undecodable
 
 
 def test_misfits_of_a_sampled_topic_count_once(tmp_path, report_config):

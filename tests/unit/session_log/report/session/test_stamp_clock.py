@@ -251,3 +251,62 @@ def test_commands_find_their_answers_after_the_voice_hosts_clock_was_set_back(
     assert complete == [True, False]
     expected = {f"/voice_assist/{name}": 10.0 for name in ("audio", "mode", "utterance")}
     assert data.clock_lags == pytest.approx(expected, abs=0.1)
+
+
+def noted(stamps, arrivals, together=1000):
+    """Times by a clock that reads so many messages at once, the lags that it noted, and itself."""
+    lags = {}
+    clock = StampClock(SOURCE, lags)
+    parts = [slice(k, k + together) for k in range(0, len(stamps), together)]
+    times = [clock.in_log_time(stamps[part], arrivals[part]) for part in parts]
+    return np.concatenate(times), lags, clock
+
+
+@pytest.mark.parametrize("together", [1, 1000])
+@pytest.mark.parametrize("place", [0, 10, 3000, 5990, 5999])
+def test_one_stamp_that_is_ahead_makes_no_clock_that_is_a_little_off(place, together):
+    arrivals = START + np.arange(6000) * SECOND // 100
+    stamps = arrivals - 2_000_000
+    stamps[place] += SECOND // 5
+    assert noted(stamps, arrivals, together)[2].offset is None
+
+
+def test_one_stamp_that_is_ahead_hides_no_clock_that_is_behind():
+    arrivals = START + np.arange(1000) * SECOND // 100
+    stamps = arrivals - int(0.8 * SECOND)
+    stamps[::500] += SECOND
+    assert noted(stamps, arrivals)[2].offset == ("/joint_states", pytest.approx(0.8))
+
+
+@pytest.mark.parametrize("count", [1, MANY - 1])
+@pytest.mark.parametrize("place", [0, 1, 500, 998, 999])  # of the last one, in the second batch
+def test_a_few_late_messages_make_no_other_clock_wherever_a_batch_ends(place, count):
+    arrivals = START + np.arange(4000) * SECOND // 100
+    late = np.arange(1001 + place - count, 1001 + place)
+    stamps = arrivals - 2_000_000
+    stamps[late] -= 4 * SECOND
+    times, lags, clock = noted(stamps, arrivals)
+    assert lags == {} and clock.offset is None
+    is_own = times == stamps
+    assert np.delete(is_own, late).all() and is_own[late[late >= 1000]].all() == (place < 999)
+    assert (times[~is_own] == arrivals[~is_own]).all()  # at the end of a batch nobody knows
+
+
+@pytest.mark.parametrize("count", [1, MANY - 1])
+def test_a_few_late_messages_at_the_begin_of_a_recording_make_no_other_clock(count):
+    arrivals = START + np.arange(1000) * SECOND // 100
+    stamps = arrivals - np.where(np.arange(1000) < count, 4 * SECOND, 0)
+    times, lags, _ = noted(stamps, arrivals)
+    assert lags == {} and times.tolist() == arrivals.tolist()
+
+
+@pytest.mark.parametrize("begin", [981, 990, 999, 1000, 1001])
+@pytest.mark.parametrize("end", [1015, 1500, 2000, 2001, 2019, 3000])
+def test_a_clock_that_was_set_is_another_wherever_a_batch_ends(begin, end):
+    arrivals = START + np.arange(3000) * SECOND // 100
+    place = np.arange(3000)
+    stamps = arrivals - np.where((place >= begin) & (place < end), 3600 * SECOND, 0)
+    times, lags, _ = noted(stamps, arrivals)
+    is_many = end - begin >= MANY
+    assert lags == ({"/joint_states": pytest.approx(3600.0)} if is_many else {})
+    assert not is_many or times.tolist() == arrivals.tolist()

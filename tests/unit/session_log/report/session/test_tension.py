@@ -8,10 +8,14 @@ import pytest
 
 from session_log.mcap_file.condition import FileCondition
 from session_log.mcap_file.summary import RecordingSummary
-from session_log.report.session.session_data import SessionData
+from session_log.report.session.session_data import SILENT, SessionData
 from session_log.report.session.shaft import rcm_from_joints
 from session_log.report.session.summary import summarise
-from session_log.report.session.tension import measured_tension, tension_settings
+from session_log.report.session.tension import (
+    measured_tension,
+    tension_settings,
+    tension_with_target,
+)
 from session_log.types import TopicCount
 
 TOPIC = "/robot/tension"
@@ -77,3 +81,27 @@ def test_the_largest_tension_is_also_that_without_a_target(report_config):
 )
 def test_the_settings_of_the_tension_are_those_that_name_a_limit(parameters, limit):
     assert tension_settings(session(parameters)).get("limit") == limit
+
+
+def sensed(said, target, *pulls):
+    """A controller that says this target at these times [s], and pulls of a sensor: [s], [N]."""
+    data = session(settings("sensor"), tension=())
+    nothing = np.zeros(len(said))
+    data.controller.extend(np.array(said), nothing, nothing, nothing + target, nothing)
+    data.tension.extend(*np.array(pulls).T)
+    return data
+
+
+def test_a_pull_after_the_controller_died_is_none_with_a_target(report_config):
+    pulls = [(time, 8.0 if time == 15.0 else 2.0) for time in np.arange(0.0, 20.0, 0.5)]
+    data = sensed(np.arange(0.0, 10.0, 0.01), 2.0, *pulls)
+    assert tension_with_target(data).max() == 2.0
+    rcm = rcm_from_joints(data, report_config)
+    summary = summarise("s", data, [], rcm, report_config)
+    assert (summary.tension_with_target, summary.tension) == (2.0, 8.0)
+
+
+def test_a_target_holds_from_when_it_was_said_until_its_controller_is_silent():
+    pulls = [(0.9, 5.0), (1.0, 1.0), (1.0 + SILENT, 2.0), (1.1 + SILENT, 6.0)]
+    assert tension_with_target(sensed([1.0], 1.0, *pulls)).tolist() == [1.0, 2.0]
+    assert not len(tension_with_target(sensed([1.0], 0.0, *pulls)))

@@ -17,7 +17,7 @@ from session_log.report.session.summary import SessionSummary, from_json
 
 FILE_NAME = "report_summary.json"
 _MARK = "<!-- made with {} -->\n"  # the last line of a page
-VERSION = 13  # of what a summary holds and of how it is computed; raise it when either changes
+VERSION = 14  # of what a summary holds and of how it is computed; raise it when either changes
 
 
 def key_of(recording: Path, config: ReportConfig, notes: Sequence[Note]) -> dict[str, object]:

@@ -156,6 +156,11 @@ class _Extractor:
         """Close what is open."""
         for topic in self._waiting:
             topic.flush()
+        data = self._data
+        data.joints, data.other_joints = self._joint_tables.best(data.urdf)
+        for table in (data.controller, data.tension, data.sound, data.rcm_peaks, data.joints):
+            if table is not None:  # each source of a topic adds its rows in blocks
+                table.sort()
         self._name_callers()
         self._data.clock_offsets = dict(filter(None, (clock.offset for clock in self._clocks)))
         end = self._relative(self._end)
@@ -165,7 +170,6 @@ class _Extractor:
             words.finish(end)
         if self._sounds is not None:
             self._data.sounds = self._sounds.finish()
-        self._data.joints, self._data.other_joints = self._joint_tables.best(self._data.urdf)
         self._data.health = sorted(self._health.values(), key=lambda h: h.name)
         for loops in self._loops.values():
             for publisher, loop in loops.items() if len(loops) > 1 else ():

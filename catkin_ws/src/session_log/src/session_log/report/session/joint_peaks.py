@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
 from session_log.config import ReportConfig
 from session_log.mcap_file.bulk import Batch
 from session_log.report.session.fast_topics import TOGETHER, largest_of_each
+from session_log.report.session.joint_tables import by_names
 from session_log.report.session.kinematics import ModelUnfit
 from session_log.report.session.session_data import SessionData, Track
 from session_log.report.session.shaft import rcm_errors
@@ -27,11 +29,12 @@ class JointPeaks:
         self._data, self._config = data, config
 
     def take(self, batch: Batch, time: Track) -> None:
-        """Take messages of one source; those of several lists of joints are left to the samples."""
-        position, names = batch.column("position"), _names(batch)
-        if position.ndim != 2 or len(names) != position.shape[1]:
-            return
-        q = dict(zip(names, position.T, strict=True))
+        """Take messages of one source, each list of joints for itself."""
+        for names, mine, position in by_names(batch.lists("name"), batch.column("position")):
+            self._take(time[mine], dict(zip(names, position.T, strict=True)))
+
+    def _take(self, time: Track, q: Mapping[str, Track]) -> None:
+        """Take positions by the names of their joints, at these times [s]; each of shape (n,)."""
         ranges = self._data.joint_ranges
         for name, values in q.items():
             known = values[np.isfinite(values)]
@@ -44,12 +47,3 @@ class JointPeaks:
             return
         peaks = largest_of_each(time, error, self._config.sample_period)
         self._data.rcm_peaks.extend(time[peaks], error[peaks])
-
-
-def _names(batch: Batch) -> tuple[str, ...]:
-    """Names of the joints, where all messages have the same; else none."""
-    try:
-        columns = [batch.column(field) for field in batch.names if field.startswith("name[")]
-    except KeyError:  # they differ in number
-        return ()
-    return tuple(c[0] for c in columns) if all((c == c[0]).all() for c in columns) else ()

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 from xml.etree import ElementTree
 
@@ -10,6 +11,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from session_log.report.session.session_data import SampledTable, Track
+
+
+def by_names(
+    names: NDArray[Any], position: NDArray[Any]
+) -> Iterator[tuple[tuple[str, ...], list[int], NDArray[np.float64]]]:
+    """Messages by their list of names; those whose positions do not fit it are left out.
+
+    Args:
+        names: Of the joints, a tuple of each message. Shape (n,).
+        position: [rad]; of objects where the messages differ in length. Shape (n,) or (n, k).
+
+    Yields:
+        The names, the places of their messages, and the positions of these, shape (m, k).
+    """
+    fits = [n if len(n) == len(q) else () for n, q in zip(names, position, strict=True)]
+    for columns in dict.fromkeys(filter(None, fits)):
+        mine = [k for k, found in enumerate(fits) if found == columns]
+        rows = position[mine]
+        yield columns, mine, rows if rows.ndim == 2 else np.array(list(rows))
 
 
 class JointTables:
@@ -28,11 +48,9 @@ class JointTables:
             position: [rad]; of objects where the messages differ in length. Shape (n,) or (n, k).
         """
         self._seen += len(time)
-        fits = [n if len(n) == len(q) else () for n, q in zip(names, position, strict=True)]
-        for columns in dict.fromkeys(filter(None, fits)):
-            mine = [k for k, found in enumerate(fits) if found == columns]
+        for columns, mine, rows in by_names(names, position):
             table = self._tables.setdefault(columns, SampledTable(("time", *columns)))
-            table.extend(time[mine], np.array([position[k] for k in mine]))
+            table.extend(time[mine], rows)
 
     def best(self, urdf: str) -> tuple[SampledTable | None, int]:
         """The table with most joints of a robot model, then with most rows; and what it lacks.

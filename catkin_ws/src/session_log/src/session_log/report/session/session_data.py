@@ -112,6 +112,16 @@ class SampledTable:
         """Add rows by their columns, each of shape (n,), the time [s] first."""
         self._rows.frombytes(np.column_stack(columns).astype(float).tobytes())
 
+    def sort(self) -> None:
+        """Put the rows in order of time; those of the same time keep theirs.
+
+        Each publisher of a topic adds its rows in blocks, which overlap in time.
+        """
+        grid = np.asarray(self._rows).reshape(-1, len(self.columns))  # (n, columns)
+        if (np.diff(grid[:, 0]) < 0.0).any():
+            order = np.argsort(grid[:, 0], kind="stable")
+            self._rows = array("d", grid[order].tobytes())
+
     def __len__(self) -> int:
         return len(self._rows) // len(self.columns)
 

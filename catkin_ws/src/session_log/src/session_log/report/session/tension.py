@@ -11,7 +11,7 @@ import numpy as np
 import yaml
 
 from session_log.recording.metadata import PARAMETERS
-from session_log.report.session.session_data import SampledTable, SessionData, Track
+from session_log.report.session.session_data import SILENT, SampledTable, SessionData, Track
 
 Settings = Mapping[str, Any]
 
@@ -34,11 +34,17 @@ def measured_tension(data: SessionData, topic: str) -> SampledTable:
 
 
 def tension_with_target(data: SessionData) -> Track:
-    """Tension while there is a target [N], as it was measured. Shape (n,)."""
+    """Tension while there is a target [N], as it was measured. Shape (n,).
+
+    Before the first word of the controller, and while it is silent, nobody knows the target.
+    """
     table = data.controller
     measured = data.tension if len(data.tension) and len(table) else table
-    state = np.searchsorted(table["time"], measured["time"], side="right") - 1
-    return measured["tension"][table["target"][state.clip(0)] > 0]
+    said, time = table["time"], measured["time"]
+    state = np.searchsorted(said, time, side="right") - 1
+    latest = state.clip(0)
+    is_known = (state >= 0) & (time - said[latest] <= SILENT)
+    return measured["tension"][is_known & (table["target"][latest] > 0)]
 
 
 def tension_error(data: SessionData) -> Track:
