@@ -51,12 +51,15 @@ help: ## list the verbs
 	@docker/setup.sh system docker/apt-packages-dev.txt
 	@touch $@
 
-.setup/dev-python: .setup/python requirements-dev.txt requirements-parquet.txt requirements-foxglove.txt docker/javascript/package-lock.json
+.setup/dev-python: .setup/python requirements-dev.txt requirements-parquet.txt requirements-foxglove.txt
 	@docker/setup.sh python requirements-dev.txt
+	@touch $@
+
+.setup/dev-javascript: .setup/system docker/javascript/package-lock.json
 	@docker/setup.sh javascript
 	@touch $@
 
-.setup/dev: .setup/workspace .setup/dev-system .setup/dev-python
+.setup/dev: .setup/workspace .setup/dev-system .setup/dev-python .setup/dev-javascript
 	@touch $@
 
 FORCE:

@@ -107,7 +107,16 @@ def copy(tmp_path):
     for file in (*tmp_path.glob("requirements*.txt"), *tmp_path.glob("docker/**/*")):
         os.utime(file, (0, 0))  # older than the stamps
     (tmp_path / ".setup").mkdir()
-    for name in ("system", "python", "workspace", "dev-system", "dev-python", "dev", "bench"):
+    for name in (
+        "system",
+        "python",
+        "workspace",
+        "dev-system",
+        "dev-python",
+        "dev-javascript",
+        "dev",
+        "bench",
+    ):
         (tmp_path / ".setup" / name).touch()
     installed_in(tmp_path, tmp_path)
     (tmp_path / "catkin_ws/devel").mkdir(parents=True)
@@ -181,7 +190,7 @@ def test_the_environment_of_another_folder_is_made_anew_and_all_that_follows(cop
     built_in(copy, copy)
     installed_in(copy, other.format(copy), text)
     assert steps(copy) == [PYTHON, WORKSPACE]
-    more = ["python requirements-dev.txt", "javascript", "python requirements-bench.txt"]
+    more = ["python requirements-dev.txt", "python requirements-bench.txt"]
     assert steps(copy, ".setup/bench") == [PYTHON, WORKSPACE, *more]
 
 
