@@ -12,12 +12,15 @@ import sys
 from collections import Counter
 from pathlib import Path
 
+import pytest
+
 from support.waiting import wait_until
 from tests.support.ros_host import ASK, ROSTEST
 
 PROGRAMS = Path(__file__).parent / "programs"
 CLOCK = PROGRAMS / "other_clock"
 JUMPS = {"both": (0.06, 0.3, 30.0, -3.0), "robot": (30.0, -3.0), "controller": (30.0, -3.0)}  # [s]
+pytestmark = pytest.mark.timeout(600)
 WATCHED = 280.0  # [s] for all jumps on a loaded machine
 STEP = 5e-3  # [rad] that no joint goes from one joint state to the next, 8 ms later
 HELD = 1e-5  # [rad] that it may go while it is held

@@ -17,6 +17,7 @@ KINOVA = ROSTEST / "kinova"
 LIMITS = ROOT / "catkin_ws/src/rst_control/config/kinova_limits.yaml"
 TROCAR = {"trocar_x": 0.406, "trocar_y": -0.024, "trocar_z": 0.415}
 LEFT_OUT = dict.fromkeys(("dry_run", "voice", "alarms", "record"), "false")
+pytestmark = pytest.mark.timeout(600)
 JUMPS = {"both": (30.0,), "robot": (30.0, -3.0)}  # [s]
 
 

@@ -31,7 +31,7 @@ PROGRAMS = Path(__file__).parent / "programs"
 NODE = [sys.executable, str(PROGRAMS / "fake_voice_node.py"), "__name:=voice_assist"]
 HANG = 30.0  # [s] as in voice_witness.py
 ANSWERED = 20.0  # [s] for an answer on a loaded machine
-AS_SHIPPED = {"commands/answer_within": 1.0}  # where nobody answers
+NOBODY = {"commands/answer_within": 5.0}  # where nobody answers
 LOOK, LONGER = 0.2, 1.0  # [s] between two looks at what was seen, and after the last one
 DEBUG, INFO, WARN, ERROR = 1, 2, 4, 8
 
@@ -193,7 +193,7 @@ def test_heartbeats_go_on_while_it_listens(session):
 
 def test_a_controller_that_hangs_does_not_delay_hearing(master, tmp_path):
     soundfile.write(tmp_path / "sound.wav", say("hey robot 0.7 tense 0.7 stop"), 16_000)
-    settings = {"audio/wav/path": tmp_path / "sound.wav", **AS_SHIPPED}
+    settings = {"audio/wav/path": tmp_path / "sound.wav", **NOBODY}
     hang = ["tense=hang"]
     seen = watch(master, tmp_path, lambda seen: "stop" in firsts(seen, "call"), hang, **settings)
     hung = next(entry[-1] for entry in seen["call"] if entry[0] == "tense")
@@ -205,7 +205,7 @@ def test_a_controller_that_hangs_does_not_delay_hearing(master, tmp_path):
 
 def test_without_a_controller_that_is_said_and_hearing_goes_on(master, tmp_path):
     soundfile.write(tmp_path / "sound.wav", say("hey robot 1 tense", after=2.0), 16_000)
-    settings = {"audio/wav/path": tmp_path / "sound.wav", **AS_SHIPPED}
+    settings = {"audio/wav/path": tmp_path / "sound.wav", **NOBODY}
     missing = "controller is missing"
 
     def is_reported(seen):
@@ -262,7 +262,7 @@ def test_a_microphone_that_is_muted_or_overloaded_is_named_and_sends_no_heartbea
     beats = [at for *_, at in seen["heartbeat"]]
     for _, at in reported:
         end = min((one for one in well if one > at), default=at)
-        assert not [beat for beat in beats if at + 0.2 < beat < end - 0.2], "deaf, and it went on"
+        assert not [beat for beat in beats if at + 0.5 < beat < end - 0.5], "deaf, and it went on"
     assert any(beat > min(at for _, at in reported) for beat in beats), "it came back"
     assert any("muted, or dead" in entry[1] for entry in seen["diagnostics"])
 

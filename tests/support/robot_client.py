@@ -112,7 +112,10 @@ class RobotClient:
         self.wait(lambda: self.finished(command) > count or len(self.halts()) > halts, limit)
         if self.finished(command) == count:
             raise Halted(f"{command!r} was not carried out: {self.halts()[-1]}")
-        rospy.sleep(0.1)  # for the state of that moment to arrive
+        ends = [e for e in self.events if e.kind == "motion_finished" and e.command == command]
+        stamp, joints = ends[-1].header.stamp, self.joints
+        self.wait(lambda: self.state.header.stamp >= stamp and self.joints is not joints)
+        rospy.sleep(0.1)  # for the tension of that moment to arrive
 
     def halts(self) -> list[str]:
         """Why it halted, or gave a motion up, each time so far."""

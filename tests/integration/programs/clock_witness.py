@@ -65,7 +65,7 @@ def after(robot: RobotClient, seen: list) -> dict:
     robot.wait(lambda: robot.state.state != "stopping")
     state, reason = robot.state.state, robot.state.halt_reason
     path = np.array(seen)
-    if state == "moving":
+    if state in ("moving", "active"):  # it may have come to the end of its motion
         robot.say("stop")
         robot.wait_for_state("halted", "faulted")
     robot.wait(lambda: robot.drift(0.5) < RESTING)  # with a clock ahead it plays all out later

@@ -97,7 +97,7 @@ class Crtk(RobotTest):
         unknown.write("enable\n")
         rospy.sleep(0.5)
         self.assertEqual(self.enabled(), before)
-        self.assertEqual(self.shown.state, "DISABLED")
+        self.wait_for("DISABLED")
         self.give("enable")
         self.wait_for("ENABLED")
         self.robot.say("tense")

@@ -120,11 +120,11 @@ class Alarms(unittest.TestCase):
         self.assertEqual(spoke[:2], [True, False])
         wait_until(lambda: len(spoke) % 2 == 0)
         self.be("moving")
-        rospy.sleep(0.3)
+        rospy.sleep(1.0)
         self.assert_unsaid("pull less", spoke)
         self.be("active")
         stop.publish(Empty())
-        rospy.sleep(0.3)
+        rospy.sleep(1.0)  # less than quiet_after_stop
         self.assert_unsaid("release", spoke)
         beat.shutdown()
 

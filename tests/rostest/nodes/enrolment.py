@@ -19,7 +19,7 @@ from voice_assist.training.data.voices import HELD_OUT_ACCENT, Prompt, speak
 from voice_assist.types import RATE
 
 NOISE = 10.0  # of 32767: a quiet room
-DELAY = 0.6  # [s] from the call to the word
+DELAY = 1.0  # [s] from the call to the word
 FOLDER = Path(os.environ["ROS_HOME"]) / "enrolment_test"  # as nodes.test has it
 
 

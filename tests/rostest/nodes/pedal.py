@@ -63,7 +63,7 @@ class Pedal(unittest.TestCase):
         if age is not None:
             message.header.stamp = rospy.Time.from_sec(rospy.get_time() - age)
         self.joy.publish(message)
-        rospy.sleep(0.1 if pressed else 0.4)  # a press counts after a release of 0.05 s, as heard
+        rospy.sleep(0.1 if pressed else 0.8)  # a press counts after a release of 0.05 s, as heard
 
     def test_1_a_press_from_the_start_does_nothing_and_a_later_one_commands(self):
         self.step(1)

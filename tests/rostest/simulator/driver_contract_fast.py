@@ -25,7 +25,7 @@ NAMES = [
     "joint_finger_right",
 ]
 TURN = 0.02  # [rad] of joint_7 in one move
-TIME = 1.0  # [s] that it takes
+TIME = 3.0  # [s] that it takes
 RATE = 500  # [Hz] of set-points
 STILL = 1e-4  # [rad] that joints at rest change by, at most
 
