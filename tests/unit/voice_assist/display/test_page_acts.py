@@ -30,6 +30,10 @@ window.setTimeout = (done, after) => {
   return timer;
 };
 window.clearTimeout = (timer) => { window.marks.delete(timer); never(timer); };"""
+READ = "performance.now() - asked >= READ_WITHIN"  # the question was there long enough
+PRESS = """((e) => { e.dispatchEvent(new PointerEvent("pointerdown"));
+window.release = () => e.dispatchEvent(new MouseEvent("click", {detail: 1, bubbles: true}));
+})(document.getElementById("yes"))"""
 UNSURE = UtterancePart(" Pull more.", "", "nearly sure", "recognizer")
 
 
@@ -47,6 +51,7 @@ def test_a_question_is_answered_after_the_token():
         await browser.evaluate(click("yes"))
         await browser.until(f"{text('act-words')}.includes('Enter the token')")
         assert acts.asked == []
+        await browser.until(READ)
         for token in ("WRONGONE", TOKEN):
             await browser.evaluate(enter(token))
             await browser.evaluate(f"{click('yes')}, {click('yes')}, {click('no')}")
@@ -63,6 +68,35 @@ def test_a_question_is_answered_after_the_token():
 
     use_page(use, theatre, acts=acts)
     assert acts.asked == [("answer", "pull more", True), ("answer", "pull more", False)]
+
+
+@pytest.mark.parametrize("is_held", [False, True])
+def test_a_yes_to_another_question_than_was_read_moves_nothing(is_held):
+    """A finger goes down on one question, or nearly; it is lifted on the next."""
+    theatre, acts = make_theatre(), RecordedActs()
+
+    async def use(browser, server):
+        theatre.see_robot(PULLING, TISSUE)
+        theatre.answer_within = 100.0
+        await browser.evaluate(enter(TOKEN))
+        theatre.see_utterance(UNSURE, "pull less")
+        await browser.until(f"{text('question-words')}.startsWith('pull less?')")
+        await browser.until(READ)
+        await browser.evaluate(PRESS)
+        theatre.see_utterance(UNSURE, "pull more")
+        await browser.until(f"{text('question-words')}.startsWith('pull more?')")
+        if is_held:
+            await browser.until(READ)
+        await browser.evaluate("window.release()")
+        await browser.until(f"{text('act-words')}.includes('has just changed')")
+        assert acts.asked == []
+        await browser.until(READ)
+        await browser.evaluate(f"{PRESS}, window.release()")
+        while not acts.asked:
+            await asyncio.sleep(0.01)
+
+    use_page(use, theatre, acts=acts)
+    assert acts.asked == [("answer", "pull more", True)]
 
 
 def test_a_token_that_cannot_be_sent_is_refused_where_it_is_entered():

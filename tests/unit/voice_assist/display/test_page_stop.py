@@ -10,13 +10,14 @@ import pytest
 
 from rst_control.simulation.rendering.painter import png_bytes
 from support.browser import MISSING, find_browser
-from tests.support.page import click, text
+from tests.support.page import click, enter, text
 from tests.unit.voice_assist.display.support.served_page import use_page
 from tests.unit.voice_assist.display.support.theatre import (
     HALTED,
     PULLING,
     STOPPED,
     TISSUE,
+    TOKEN,
     RecordedActs,
     make_theatre,
 )
@@ -164,3 +165,36 @@ def test_nothing_of_the_last_alarm_stands_where_no_alarms_are_watched():
         assert not await browser.evaluate(is_acknowledged)
 
     on_page(use)
+
+
+@pytest.mark.parametrize("where", ["in this window", "in another"])
+def test_a_stop_has_a_connection_though_all_are_taken(where):
+    """A browser has six to a server: four other windows, the page's own, and an act that lasts."""
+
+    class Busy(Answers):
+        def choose_microphone(self, name):
+            self.asked.append(name)
+            self.is_free.wait(8.0)
+            return Outcome(True, "chosen")
+
+    acts = Busy(Outcome(True, "stops"), waits=True)
+    acts.asked.append("so that no stop is the first")
+
+    async def use(browser, theatre):
+        await browser.evaluate(enter(TOKEN))
+        others = "window.others = [1, 2, 3, 4].map(() => new EventSource('/events'))"
+        await browser.evaluate(others)
+        await browser.until("window.others.every((one) => one.readyState === 1)")
+        choose = "document.getElementById('microphone-name').value = 'usb'," + click("choose")
+        await browser.evaluate(choose)
+        while "usb" not in acts.asked:
+            await asyncio.sleep(0.01)
+        if where == "in another":
+            await browser.evaluate("new BroadcastChannel('stop').postMessage('')")
+            await browser.until("!underWay.size")
+        await browser.evaluate(click("stop"))
+        await browser.until(f"{WORDS} === 'stops'")
+        assert not acts.is_free.is_set()
+        acts.is_free.set()
+
+    on_page(use, acts)

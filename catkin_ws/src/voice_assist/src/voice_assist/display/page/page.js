@@ -7,6 +7,7 @@ const SILENT = 3000; // [ms] without news, or that they are late, after which th
 const DRIFT = 2e-4; // [-] by which two clocks run apart, at most
 const STOP_WITHIN = 4000; // [ms] for a stop to be answered
 const ACT_WITHIN = 9000; // [ms] for any other act; the server gives up a second later
+const READ_WITHIN = 500; // [ms] after a question came, in which a press was meant for what stood there before
 const PICKED_FOR = 6000; // [ms] that a click into the picture stays marked
 const MANY = 10; // words, above which they are drawn smaller
 const QUIET = -60, LOUD = -3; // [dB] ends of the level bar, and what clips
@@ -30,11 +31,18 @@ const shape = (id, name) => byId(id).setAttribute("href", `#${name}`);
 const mm = (metres, digits) => `${(1000 * metres).toFixed(digits)} mm`;
 
 // Gives `work` a signal that ends in time [ms] what it fetches; AbortSignal.timeout came in 2022 only.
-async function inTime(within, work) {
+async function inTime(within, work, givesWay = true) {
   const control = new AbortController();
   const timer = setTimeout(() => control.abort(), within);
-  try { return await work(control.signal); } finally { clearTimeout(timer); }
+  if (givesWay) underWay.add(control);
+  try { return await work(control.signal); } finally { clearTimeout(timer); underWay.delete(control); }
 }
+
+// A browser has six connections to a server, and a stop needs one: what else is fetched gives way, in other windows too.
+const underWay = new Set();
+const windows = "BroadcastChannel" in window ? new BroadcastChannel("stop") : null;
+const giveWay = () => { for (const control of underWay) control.abort(); };
+if (windows) windows.onmessage = giveWay;
 
 // Uses the browser's storage, which a person may have blocked: then nothing is kept.
 function stored(use) {
@@ -54,7 +62,7 @@ let tried = performance.now(); // [ms] when a connection was tried last
 
 function connect() {
   if (source) source.close();
-  if (document.hidden) return; // a browser has six connections to a server, and a stop needs one
+  if (document.hidden) return; // its connection is left to others
   tried = performance.now();
   source = new EventSource("/events");
   source.onopen = () => { // perhaps of another server, whose clock and pictures begin anew
@@ -153,8 +161,9 @@ function drawHearing(since, limit) {
 function drawQuestion(question) {
   show("question", Boolean(question));
   show("partial", !question);
-  if (!question) { setAnswering(false); return; }
-  byId("question").dataset.command = question.command;
+  if (!question) { setAnswering(false); delete byId("question").dataset.command; return; }
+  const shown = byId("question").dataset;
+  if (shown.command !== question.command) { shown.command = question.command; asked = performance.now(); }
   say("question-words", t`${question.command}? Yes within ${Math.ceil(question.remaining)} s`);
   tell("question", t`${question.command}? Say or press yes`);
 }
@@ -325,7 +334,7 @@ async function act(name, fields, words, within = ACT_WITHIN) {
       }
       const outcome = await response.json();
       return words(outcome.done, outcome.words);
-    });
+    }, name !== "stop");
   } catch (error) {
     return words(null, t`no answer`);
   }
@@ -341,6 +350,8 @@ function stop() {
   const press = ++presses;
   isStopOpen = true;
   stopWords(true, t`Stop is sent`);
+  giveWay();
+  if (windows) windows.postMessage("");
   act("stop", null, (isDone, text) => {
     if (press !== presses) return; // a later press has its own answer
     isStopOpen = hasRested = false;
@@ -395,14 +406,18 @@ byId("choose").addEventListener("click", () => {
 });
 byId("theme").addEventListener("change", (event) => theme(event.target.value));
 
+let asked = -Infinity; // [ms] when the question that is shown came
 // A question takes one answer; it can be given again only where it was not taken.
 function setAnswering(isAnswering) {
   for (const answer of ["yes", "no"]) byId(answer).disabled = isAnswering;
 }
 for (const answer of ["yes", "no"]) {
-  byId(answer).addEventListener("click", () => {
-    const command = byId("question").dataset.command;
+  byId(answer).addEventListener("pointerdown", () => { byId(answer).dataset.command = byId("question").dataset.command; });
+  byId(answer).addEventListener("click", (event) => {
+    const command = byId("question").dataset.command, isByKey = event.detail === 0;
     if (needToken()) return;
+    const isRead = performance.now() - asked >= READ_WITHIN && (isByKey || byId(answer).dataset.command === command);
+    if (answer === "yes" && !isRead) { actWords(false, t`The question has just changed: read it, then press again`); return; }
     setAnswering(true);
     act("answer", { command, yes: answer === "yes" }, (isDone, text) => {
       if (!isDone) setAnswering(false);
