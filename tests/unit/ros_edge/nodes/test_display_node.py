@@ -2,6 +2,7 @@
 """The page outlives the master and a controller that hangs; only a taken address ends it."""
 
 import asyncio
+import json
 import socket
 import threading
 import time
@@ -128,6 +129,43 @@ def test_the_words_that_can_be_said_are_those_of_the_voice_node_launched_last(mo
     answer(monkeypatch, {})
     node.look_again()
     assert node._theatre.rules == () and node._theatre.limits == Limits()
+
+
+LAUNCHED = {"controller": {"tension": {"limit": 2.4}}, "rcm": {"measured_tolerance": 0.001}}
+
+
+@pytest.mark.parametrize(
+    ("kept", "limits"),
+    [
+        ({"/controller/launched": json.dumps(LAUNCHED)}, Limits(2.4, 0.001)),
+        ({"/controller/launched": "{}"}, Limits()),
+        ({"/controller/launched": "no settings"}, Limits(4.0, 0.002)),
+        ({}, Limits(4.0, 0.002)),  # it has not started yet
+    ],
+)
+def test_the_limits_are_those_the_controller_was_launched_with(monkeypatch, node, kept, limits):
+    changed = {
+        "/controller/controller/tension/limit": 4.0,
+        "/controller/rcm/measured_tolerance": 0.002,
+    }
+    answer(monkeypatch, {**GIVEN, **changed, **kept})
+    node.look_again()
+    assert node._theatre.limits == limits
+
+
+def test_words_and_the_time_for_an_answer_are_those_the_voice_was_launched_with(monkeypatch, node):
+    ask = {"ask": {"answer_within": 3}}
+    launched = {"recognizer": ask, "commands": GIVEN["/voice_assist/commands"]}
+    changed = {
+        "/voice_assist/recognizer/ask/answer_within": 9,
+        "/voice_assist/commands": load_yaml(CONFIG_DIR / "commands_de.yaml"),
+    }
+    kept = {"/voice_assist/launched": json.dumps(launched)}
+    answer(monkeypatch, {**GIVEN, **changed, **kept})
+    node.look_again()
+    assert node._theatre.answer_within == 3.0
+    phrases = {rule.phrase for rule in node._theatre.rules}
+    assert "hey robot" in phrases and "hallo roboter" not in phrases
 
 
 def test_a_display_that_starts_late_says_how_long_has_been_recorded(node):

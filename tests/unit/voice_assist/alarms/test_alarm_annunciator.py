@@ -81,6 +81,28 @@ def test_while_high_sounds_notices_and_refusals_are_only_seen():
     assert len(scene.board.standing) == 2
 
 
+@pytest.mark.parametrize("before", [0.5, 3.0])  # [s] in the burst, and in the pause after it
+def test_a_stop_is_heard_in_the_pauses_of_a_high_fault_and_cuts_none_of_its_bursts(before):
+    scene = Scene().be(is_tissue_held=True)
+    scene.health("voice_assist: voice", "recognition hangs").run(before)
+    assert scene.sounds() == [Earcon.FAULT_HIGH]
+    scene.be(state="halted", halt_reason=STOPPED).run(4.0)
+    assert Earcon.STOP in scene.sounds()
+    (first, _), (second, stop) = scene.heard[:2]
+    assert stop is Earcon.STOP
+    assert second - first >= PATTERNS[Earcon.FAULT_HIGH].duration + GAP - 0.051
+
+
+def test_the_next_burst_of_a_high_fault_cuts_off_a_stop_that_sounds_in_its_pause():
+    scene = Scene().be(is_tissue_held=True)
+    for _ in range(6):  # [s] it speaks every second; 0.35 s before the next burst
+        scene.health("voice_assist: voice", "recognition hangs").run(0.95)
+    scene.be(state="halted", halt_reason=STOPPED).run(1.0)
+    assert [earcon for _, earcon in scene.heard[1:]] == [Earcon.STOP, Earcon.FAULT_HIGH]
+    _, stop, burst = (time for time, _ in scene.heard)
+    assert burst - stop < PATTERNS[Earcon.STOP].duration
+
+
 def test_notices_can_be_silenced_alone():
     scene = Scene(notices=False).event("accepted", "hey robot", "ready").run(1.0)
     assert scene.heard == []

@@ -240,6 +240,13 @@ def test_parts_that_are_still_starting_are_no_alarm():
     assert scene.run(1.0).first is None
 
 
+def test_a_dead_part_is_an_alarm_at_once_in_standby_with_tissue_held():
+    scene = Scene()
+    scene.robot = RobotState(0.0, "standby", is_tissue_held=True)
+    scene.health("voice_assist: voice", "no sound")
+    assert scene.first.priority is Priority.HIGH
+
+
 @pytest.mark.parametrize(
     ("name", "words", "step"),
     [
@@ -280,6 +287,16 @@ def test_other_numbers_in_a_parts_message_are_no_news():
     scene = Scene().health("rst_control: recording", "recorder silent for 1.2 s").run(1.0)
     scene.health("rst_control: recording", "recorder silent for 2.2 s").run(1.0)
     assert "1.2 s" in scene.first.cause and scene.sounds() == [Earcon.FAULT_LOW]
+
+
+@pytest.mark.parametrize(("first", "second"), [("joint_2", "joint_5"), ("arm-1", "arm-2")])
+def test_another_number_in_a_name_is_news_though_the_first_was_seen_to(first, second):
+    scene = Scene().health("rst_control: motion", f"robot fault: {first}: x")
+    scene.event("refused", "hey robot", "x").run(3.0)
+    scene.health("rst_control: motion", f"robot fault: {second}: x").run(3.0)
+    fault = next(s for s in scene.board.standing if s.alarm.kind is Kind.FAULT)
+    assert second in fault.alarm.cause and not fault.is_acknowledged
+    assert scene.sounds().count(Earcon.FAULT_LOW) == 2
 
 
 def test_another_trouble_of_the_same_part_sounds_once():

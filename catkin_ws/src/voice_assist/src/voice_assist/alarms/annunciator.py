@@ -11,6 +11,7 @@ from voice_assist.alarms.earcons import PATTERNS
 from voice_assist.alarms.types import Alarm, Kind, Priority
 from voice_assist.config.alarms import SoundConfig
 
+_ONLY_SEEN = (Kind.REFUSAL, Kind.NOTICE)  # while an alarm of high priority sounds
 GAP = 0.25  # [s] of silence between two sounds
 TOO_LATE = 1.5  # [s] after which a notice or a refusal that had to wait is no longer news
 
@@ -54,7 +55,7 @@ class Annunciator:
             s.alarm.priority is Priority.HIGH and not s.is_acknowledged for s in standing
         )
         for entry in standing:
-            if is_urgent and entry.alarm.priority is not Priority.HIGH:
+            if is_urgent and entry.alarm.kind in _ONLY_SEEN:
                 continue
             if self._is_due(entry, now) and self._may_sound(entry, now):
                 return self._sound(entry, now)

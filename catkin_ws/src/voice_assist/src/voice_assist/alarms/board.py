@@ -44,7 +44,8 @@ _BY_CAUSE = ("part settings", "part strangers ")  # keys whose message names who
 _OWNER_OF = {"rst_control": "controller", "voice_assist": "voice", "kinova_guard": "stop guard"}
 
 
-_NUMBERS = re.compile(r"[0-9.]+")
+# Numbers that stand alone: not those in a name (joint_2, kinova-2) or an address (192.168.1.10).
+_NUMBERS = re.compile(r"(?<![\w.])(?<!\w-)[0-9]+(?:\.[0-9]+)?(?:e[-+]?[0-9]+)?(?!\.?[0-9])")
 FORGOTTEN_AFTER = (
     10.0  # [s] without a word of a part, which speaks every second: its node has ended
 )
@@ -166,7 +167,8 @@ class Board:
     def _part_errors(self, now: float) -> dict[str, tuple[str, str]]:
         """Message and code of each part with an error; to be silent is one, too."""
         self._begun = now if self._begun is None else self._begun
-        if now - self._begun < self._config.starting_for and not self._robot.is_active:
+        is_used = self._robot.is_active or self._robot.is_loaded
+        if now - self._begun < self._config.starting_for and not is_used:
             return {}
         errors = {
             part: (message, code)
@@ -211,7 +213,7 @@ def wake_phrases(commands: CommandsConfig) -> frozenset[str]:
 
 
 def _is_same(key: str, first: Alarm, second: Alarm) -> bool:
-    """Whether two alarms have one cause; the numbers in most parts' messages may change."""
+    """Whether two alarms have one cause; numbers that stand alone may change in most of them."""
     causes = first.cause, second.cause
     if key != _LATCH and not key.startswith(_BY_CAUSE):
         causes = _NUMBERS.sub("", first.cause), _NUMBERS.sub("", second.cause)

@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import sys
 import time
+from collections.abc import Callable
 from contextlib import AsyncExitStack, suppress
 
 import rospy
@@ -15,6 +17,7 @@ from std_msgs.msg import Bool, String
 from rst_control.msg import ControllerState
 from typed_config import ConfigError, load_config
 from typed_config.priority import set_priority
+from typed_config.ros.launch_settings import KEPT
 from typed_config.ros.private_settings import private_settings
 from typed_config.ros.starting import starting
 from typed_config.ros.xmlrpc import FAILURES, parameter
@@ -85,12 +88,13 @@ class DisplayNode:
 
     def _look_at_settings(self) -> None:
         """Take in the parameters; raises FAILURES: what was read before stays."""
+        motion, voice = _in_force(SETTINGS), _in_force(VOICE)
         self._theatre.limits = Limits(
-            tension=_number(f"{SETTINGS}/controller/tension/limit"),
-            rcm=_number(f"{SETTINGS}/rcm/measured_tolerance"),
+            tension=_number(motion("controller/tension/limit")),
+            rcm=_number(motion("rcm/measured_tolerance")),
         )
-        self._theatre.answer_within = _number(f"{VOICE}/recognizer/ask/answer_within") or 0.0
-        given = _parameter(f"{VOICE}/commands")
+        self._theatre.answer_within = _number(voice("recognizer/ask/answer_within")) or 0.0
+        given = voice("commands")
         if given != self._commands:  # another voice node was launched
             self._theatre.rules = messages.word_rules(_commands(given))
             self._commands = given
@@ -157,8 +161,29 @@ def _parameter(name: str) -> object:
     return parameter(rospy.resolve_name(name))
 
 
-def _number(name: str) -> float | None:
-    value = _parameter(name)
+def _in_force(node: str) -> Callable[[str], object]:
+    """The settings of a node by their keys, None: not set. Both raise FAILURES.
+
+    A node that runs has those of its launch, which it keeps, whatever the server holds since. The
+    server's count where nothing is kept: the node has not started yet.
+    """
+    try:
+        kept = json.loads(str(_parameter(f"{node}/{KEPT}")))
+    except json.JSONDecodeError:
+        kept = None
+    if not isinstance(kept, dict):
+        return lambda key: _parameter(f"{node}/{key}")
+    return lambda key: _within(kept, key)
+
+
+def _within(settings: object, key: str) -> object:
+    """The value of a key such as tension/limit in nested settings; None: there is none."""
+    for part in key.split("/"):
+        settings = settings.get(part) if isinstance(settings, dict) else None
+    return settings
+
+
+def _number(value: object) -> float | None:
     return float(value) if isinstance(value, int | float) else None
 
 
