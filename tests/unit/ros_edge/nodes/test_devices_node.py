@@ -18,6 +18,7 @@ from typed_config.ros.service_calls import Reply
 from voice_assist.config import CONFIG_DIR
 from voice_assist.config.devices import DeviceCallConfig, devices_config
 from voice_assist.devices.calls import CallResult, DeviceCalls
+from voice_assist.msg import Utterance
 from voice_assist.ros.devices import node as node_module
 from voice_assist.ros.devices import targets
 from voice_assist.ros.devices.node import DevicesNode, main, spoken_commands
@@ -323,3 +324,100 @@ def test_a_result_of_the_start_is_published_once_those_who_show_it_are_connected
     assert min(published) >= 1.5
     node._report(CallResult(DeviceCallConfig(**OFF), True, ""))
     assert len(published) == 4  # later on, at once
+
+
+# The recorder and Foxglove listen to every topic; they are no device.
+
+
+@pytest.mark.parametrize("given", [PLAYER, VACUUM], ids=["topic", "action"])
+@pytest.mark.parametrize(
+    ("namespace", "listener", "is_device"),
+    [
+        ("/", "/recorder", False),
+        ("/", "/foxglove", False),
+        ("/", "/theatre/recorder", True),
+        ("/left/", "/left/recorder", False),
+        ("/left/", "/recorder", True),
+    ],
+)
+def test_who_listens_to_every_topic_is_no_device(
+    monkeypatch, connected, given, namespace, listener, is_device
+):
+    topic, _ = connected
+    topic.impl.connections[0].endpoint_id = listener
+    monkeypatch.setattr(targets, "_publisher", lambda *_: topic)
+    monkeypatch.setattr(rospy, "Subscriber", lambda *_, **__: None)
+    monkeypatch.setattr(rospy, "get_name", lambda: "/devices")
+    monkeypatch.setattr(rospy, "get_namespace", lambda: namespace)
+    result = targets.make_target(DeviceCallConfig(**given)).call()
+    assert bool(topic.sent) is result.may_have_effect is is_device
+    assert ("nobody" in result.words) is not is_device
+
+
+def test_what_an_earlier_node_left_is_cancelled_once_more_than_the_recorder_listens(monkeypatch):
+    seen = []
+
+    def listeners(_):
+        seen.append({"/recorder"} if len(seen) < 3 else {"/recorder", "/server"})
+        assert not topic.sent
+        return seen[-1]
+
+    topic = Topic()
+    monkeypatch.setattr(targets, "_publisher", lambda *_: topic)
+    monkeypatch.setattr(targets, "open_listeners", listeners)
+    result = targets.cancel_left(DeviceCallConfig(**VACUUM), "goal 1")
+    assert [sent.id for sent in topic.sent] == ["goal 1"] and "cancelled" in result.words
+    assert len(seen) == 4
+
+
+# What was said long ago, as before a hang or on a link that was gone.
+
+NOW = 1700000000.0
+
+
+@pytest.mark.parametrize("of", ["decision", "header"])
+@pytest.mark.parametrize(
+    ("age", "is_wallclock", "words"),
+    [
+        (0.0, True, ""),
+        (1.9, True, ""),
+        (2.1, True, "said 2.1 s ago, allowed 2 s"),
+        (10.0, True, "said 10.0 s ago, allowed 2 s"),
+        (-0.1, True, ""),
+        (-5.0, True, "said 5.0 s ahead of this host's clock, allowed 0.2 s; run chrony"),
+        (None, True, ""),
+        (10.0, False, ""),
+    ],
+)
+def test_words_of_long_ago_call_no_device(monkeypatch, kept, of, age, is_wallclock, words):
+    monkeypatch.setattr(rospy, "get_time", lambda: NOW)
+    monkeypatch.setattr(rospy.rostime, "is_wallclock", lambda: is_wallclock)
+    node, published = node_of_lamp(monkeypatch), []
+    del node._report
+    node._heard_at, node._phrases = 0.0, ()
+    node._result = SimpleNamespace(publish=published.append)
+    node._say = SimpleNamespace(publish=lambda _: None)
+    monkeypatch.setattr(rospy.Time, "now", lambda: rospy.Time.from_sec(NOW))
+    message, stamp = Utterance(command="light on"), rospy.Time.from_sec(NOW - (age or 0.0))
+    if age is not None and of == "decision":
+        message.decision, message.header.stamp = stamp, rospy.Time.from_sec(NOW)
+    elif age is not None:
+        message.header.stamp = stamp
+    node._on_utterance(message)
+    call = node._calls.next(0.0)
+    assert (call is None) is bool(words)
+    assert [(m.phrase, m.is_done, m.message) for m in published] == [
+        ("light on", False, words)
+    ] * bool(words)
+
+
+def test_of_words_of_long_ago_that_call_no_device_nothing_is_said(monkeypatch, kept):
+    node, reported = node_of_lamp(monkeypatch), []
+    node._report = reported.append
+    for command in ("pull more", "", "light on"):
+        message = Utterance(command=command)
+        message.header.stamp = rospy.Time.from_sec(1.0)
+        node._on_utterance(message)
+    (result,) = reported
+    assert result.call.phrase == "light on" and not result.may_have_effect
+    assert node._calls.next(0.0) is None

@@ -3,6 +3,7 @@
 
 import threading
 import time
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
@@ -13,7 +14,9 @@ from typed_config import load_yaml
 from voice_assist.config import CONFIG_DIR
 from voice_assist.config.pedal import pedal_config
 from voice_assist.pedal import evdev
-from voice_assist.pedal.pedals import Brake, Pedals
+from voice_assist.pedal.drivers import Drivers
+from voice_assist.pedal.evdev import EventsLostError
+from voice_assist.pedal.pedals import Brake, Pedals, Send
 from voice_assist.ros.pedal import node as pedal_node
 from voice_assist.ros.pedal.node import PedalNode
 
@@ -25,6 +28,7 @@ def bare_node(actions, bound=HELD):
     node = object.__new__(PedalNode)
     node._config = pedal_config({**load_yaml(CONFIG_DIR / "pedal.yaml"), "bindings": [bound]})
     node._pedals, node._lock = Pedals(node._config), threading.Lock()
+    node._drivers, node._news = Drivers(node._config, node._pedals, node._is_alive), {}
     node._trouble = node._late = ""
     node._carry_out = lambda some, why_not="": actions.extend(some)
     node._tell = lambda: None
@@ -96,11 +100,11 @@ def connection(name, **state):
 class Driven:
     """A node on joy without ROS; `connections` are those of its topic."""
 
-    def __init__(self, monkeypatch, *names):
+    def __init__(self, monkeypatch, *names, bound=HELD):
         log = {"loginfo": lambda *_: None, "logwarn": lambda *_: None}
         monkeypatch.setattr(pedal_node, "rospy", SimpleNamespace(**log))
         self.connections, self.actions = [connection(name) for name in names], []
-        node = self.node = bare_node(self.actions)
+        node = self.node = bare_node(self.actions, bound)
         node._known, node._dead_man = SimpleNamespace(is_believed=is_believed), None
         monkeypatch.setattr(pedal_node, "open_listeners", lambda _: {CONTROLLER})
         node._joy = SimpleNamespace(
@@ -233,6 +237,7 @@ class Acting:
             {**load_yaml(CONFIG_DIR / "pedal.yaml"), "bindings": list(bindings)}
         )
         node._pedals, node._lock = Pedals(node._config), threading.Lock()
+        node._drivers, node._news = Drivers(node._config, node._pedals, node._is_alive), {}
         monkeypatch.setattr(node._pedals, "_clock", iter(range(1000)).__next__)
         node._trouble, node._late, node._joy = "", "", None
         node._stop = SimpleNamespace(publish=lambda _: self.acts.append("stop is published"))
@@ -397,3 +402,161 @@ def test_a_joy_that_is_connected_is_not_well_while_the_controller_does_not_liste
     node._trouble = pedal_node.NOT_FOUND
     monkeypatch.setattr(pedal_node, "open_listeners", lambda _: set())
     assert node._state_of_device()[0] == DiagnosticStatus.ERROR
+
+
+# Two drivers on one topic: one of them rests, and repeats that nothing is pressed.
+
+A, B = JOYS
+RELEASED = Brake("the dead-man (button 0) is released")
+
+
+class Two(Driven):
+    """Drivers A and B by a clock of which a test says how it goes on."""
+
+    def __init__(self, monkeypatch, bound, silent_after=0.0):
+        super().__init__(monkeypatch, A, B, bound=bound)
+        self.now, node = 0.0, self.node
+        monkeypatch.setattr(pedal_node, "time", SimpleNamespace(monotonic=lambda: self.now))
+        monkeypatch.setattr(node._pedals, "_clock", lambda: self.now)
+        node._config = replace(node._config, silent_after=silent_after)
+
+    def alternate(self, *steps):
+        for name, value in steps:
+            self.now += 0.1
+            self.step(name, value)
+
+
+@pytest.mark.parametrize(("command", "sent"), [("pull more", 1), ("stop", 21)])
+def test_a_press_beside_a_driver_at_rest_is_sent_once_and_a_stop_at_least(
+    monkeypatch, command, sent
+):
+    bound = {**HELD, "does": "command", "command": command}
+    driven = Two(monkeypatch, bound)
+    driven.alternate((A, 0), (B, 0), (A, 1), *[(B, 0), (A, 1)] * 20)
+    assert driven.actions == [Send(command, "button 0")] * sent
+    driven.alternate((A, 0), (B, 0), (A, 1))
+    assert driven.actions == [Send(command, "button 0")] * (sent + 1)
+
+
+def test_a_dead_man_is_held_beside_a_driver_at_rest_until_its_own_release(monkeypatch):
+    driven = Two(monkeypatch, HELD)
+    driven.alternate((A, 0), (B, 0), (A, 1), *[(B, 0), (A, 1)] * 20, (B, 0))
+    assert driven.actions == [] and driven.check()
+    driven.alternate((A, 0))
+    assert driven.actions == [RELEASED] and not driven.check()
+
+
+def test_after_the_loss_of_the_driver_that_presses_the_news_of_another_release(monkeypatch):
+    driven = Two(monkeypatch, HELD)
+    driven.alternate((A, 0), (A, 1), (B, 0))
+    driven.lose(A)
+    driven.alternate((B, 0))
+    assert driven.actions == [RELEASED] and not driven.check()
+
+
+def test_the_loss_of_the_driver_that_presses_brakes_though_the_other_says_nothing(monkeypatch):
+    driven = Two(monkeypatch, HELD)
+    driven.alternate((A, 0), (A, 1), (B, 0))
+    driven.lose(A)
+    assert not driven.check() and len(driven.actions) == 1
+
+
+@pytest.mark.parametrize("says", [[0], []])
+def test_a_driver_that_falls_silent_while_it_presses_brakes_beside_another(monkeypatch, says):
+    """The other repeats its rest, or has no such button."""
+    driven = Two(monkeypatch, HELD, silent_after=0.5)
+    driven.alternate((A, 0), (A, 1))
+    for _ in range(4):
+        driven.now += 0.1
+        driven.step(B, *says)
+        assert driven.check()
+    driven.now += 0.2
+    driven.step(B, *says)
+    assert not driven.check() and len(driven.actions) == 1
+
+
+# A stop and another command in one message, or by one foot on two switches of a USB device.
+
+WAKE = {**MORE, "command": "hey robot"}
+
+
+@pytest.mark.parametrize("order", [("button 0", "button 1"), ("button 1", "button 0")])
+def test_a_stop_drops_the_other_commands_of_its_message(monkeypatch, order):
+    acting = Acting(monkeypatch, STOP, WAKE)
+    acting.node._take(dict.fromkeys(order, 1.0))
+    assert acting.acts == BRAKED
+    dropped = "pedal: hey robot, by button 1, is dropped: a stop came with it"
+    assert acting.words.count(dropped) == 1
+
+
+def test_a_release_of_the_dead_man_drops_the_commands_of_its_message(monkeypatch):
+    acting = Acting(monkeypatch, HELD, WAKE)
+    acting.node._take({"button 0": 1.0})
+    acting.acts.clear()
+    acting.node._take({"button 1": 1.0, "button 0": 0.0})
+    assert acting.acts == ["dead-man False", *BRAKED]
+
+
+@pytest.mark.parametrize(("later", "is_sent"), [(0.005, False), (0.29, False), (0.5, True)])
+def test_just_after_a_stop_no_other_command_is_sent(monkeypatch, later, is_sent):
+    acting, now = Acting(monkeypatch, STOP, WAKE), [10.0]
+    monkeypatch.setattr(acting.node._pedals, "_clock", lambda: now[0])
+    acting.node._take({"button 0": 1.0})
+    now[0] += later
+    acting.node._take({"button 1": 1.0})
+    assert acting.acts == [*BRAKED, *["hey robot"] * is_sent]
+    assert any("is dropped: a stop came just before it" in w for w in acting.words) is not is_sent
+    acting.node._take({"button 0": 0.0})
+    acting.node._take({"button 0": 1.0})
+    assert acting.acts[-2:] == BRAKED  # a stop is never dropped
+
+
+# Events that the kernel had no room for; a tap of a stop may be among them.
+
+
+@pytest.mark.parametrize(
+    ("bound", "acts"),
+    [((STOP, MORE), BRAKED), ((MORE,), []), ((STOP, {**HELD, "input": "button 1"}), BRAKED)],
+)
+def test_lost_events_stop_where_a_stop_is_bound_and_the_device_is_opened_at_once(
+    monkeypatch, bound, acts
+):
+    """After a loss of another kind it is looked for after a while only."""
+    acting, opened = Acting(monkeypatch, *bound), []
+
+    class Reader:
+        stamp = 0.0
+
+        def __init__(self, *_):
+            opened.append(self)
+            acting.acts.append("opened")
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *_):
+            pass
+
+        def inputs(self):
+            return {"button 0", "button 1"}
+
+        def __iter__(self):
+            yield {"button 0": 0.0, "button 1": 0.0}
+            raise EventsLostError("events were lost") if len(opened) == 1 else OSError("unplugged")
+
+    acting.rospy.is_shutdown = lambda: "waited" in acting.acts
+    acting.rospy.rostime.wallsleep = lambda _: acting.acts.append("waited")
+    monkeypatch.setattr(pedal_node, "EvdevReader", Reader)
+    monkeypatch.setattr(pedal_node, "find", lambda _: "event1")
+    acting.node._read()
+    assert acting.acts == ["opened", *acts, "opened", "waited"]
+    assert any("a stop may have been among them" in words for words in acting.words) is bool(acts)
+
+
+def test_lost_events_while_the_dead_man_is_held_stop_once_and_release_it(monkeypatch):
+    acting = Acting(monkeypatch, HELD, {**STOP, "input": "button 1"})
+    acting.node._take({"button 0": 1.0})
+    acting.acts.clear()
+    acting.node._lost("events were lost", are_events_lost=True)
+    acting.node._tell()
+    assert acting.acts == [*BRAKED, "dead-man False"]

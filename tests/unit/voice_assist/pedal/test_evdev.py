@@ -14,7 +14,14 @@ from typed_config import load_yaml
 from voice_assist.config import CONFIG_DIR
 from voice_assist.config.pedal import pedal_config
 from voice_assist.pedal import evdev
-from voice_assist.pedal.evdev import EVENT, DeviceMissingError, EvdevReader, devices, find
+from voice_assist.pedal.evdev import (
+    EVENT,
+    DeviceMissingError,
+    EvdevReader,
+    EventsLostError,
+    devices,
+    find,
+)
 from voice_assist.pedal.pedals import Pedals, Send
 
 
@@ -77,6 +84,13 @@ def test_events_are_read_until_the_device_is_gone_or_some_are_lost(tmp_path, the
         seen.extend(reader)
     writer.join(10.0)
     assert seen == [{"button 48": 1.0}, {"axis 1": 200.0}, *news]
+
+
+def test_a_loss_of_events_is_another_error_than_that_of_the_device(tmp_path):
+    pipe = tmp_path / "event1"
+    pipe.write_bytes(EVENT.pack(1, 2, 0, 3, 0))
+    with EvdevReader(pipe) as reader, pytest.raises(EventsLostError):
+        next(iter(reader))
 
 
 # A device that reports which keys are pressed, by a pipe whose ioctl is made up.

@@ -233,3 +233,49 @@ def test_settings_that_make_no_sense_are_refused(bindings, words):
         pedal_config({**FILE, "bindings": bindings})
     with pytest.raises((ConfigError, CommandsError), match="a name, as source is evdev"):
         pedal_config({**FILE, "source": "evdev"})
+
+
+STOP_AND_WAKE = (binding("button 0", command="stop"), binding("button 1", command="hey robot"))
+
+
+@pytest.mark.parametrize("order", [("button 0", "button 1"), ("button 1", "button 0")])
+def test_a_command_that_comes_with_a_stop_is_not_to_be_sent(order):
+    pedals = make(*STOP_AND_WAKE)
+    pedals.take(dict.fromkeys(order, 0.0))
+    actions = pedals.take(dict.fromkeys(order, 1.0))
+    wake = Send("hey robot", "button 1", "a stop came with it")
+    assert set(actions) == {Send("stop", "button 0"), wake} and len(actions) == 2
+
+
+@pytest.mark.parametrize("stops", ["stop", "dead-man", "loss", "lost events"])
+@pytest.mark.parametrize(("later", "is_sent"), [(0.005, False), (0.29, False), (0.5, True)])
+def test_a_command_counts_only_a_while_after_a_stop_of_any_kind(stops, later, is_sent):
+    now = [10.0]
+    held = binding("button 3", "dead_man")
+    pedals = make(*STOP_AND_WAKE, held, clock=lambda: now[0])
+    for value in (0.0, 1.0):
+        pedals.take({"button 0": 0.0, "button 1": 0.0, "button 3": value})
+    now[0] += 1.0
+    actions = {
+        "stop": lambda: press(pedals, "button 0"),
+        "dead-man": lambda: press(pedals, "button 3", 0.0),
+        "loss": lambda: pedals.lost("unplugged"),
+        "lost events": lambda: pedals.events_lost("full"),
+    }[stops]()
+    assert len(actions) == 1
+    if not pedals.is_there:
+        pedals.found()
+        press(pedals, "button 1", 0.0)
+        later = max(later, 0.06)  # a clear release
+    now[0] += later
+    (sent,) = press(pedals, "button 1")
+    assert (sent.command, sent.why_not == "") == ("hey robot", is_sent)
+    assert press(pedals, "button 0", 0.0) == ()
+    assert press(pedals, "button 0") == (Send("stop", "button 0"),)
+
+
+def test_lost_events_stop_only_where_a_stop_or_a_held_dead_man_may_be_among_them():
+    pedals = make(binding("button 1", command="hey robot"))
+    assert pedals.events_lost("full") == () and not pedals.is_there
+    (brake,) = make(*STOP_AND_WAKE).events_lost("full")
+    assert brake == Brake("full; a stop may have been among them")

@@ -58,6 +58,10 @@ def find(name: str, names: Path = NAMES) -> str:
     return matching[0]
 
 
+class EventsLostError(OSError):
+    """The kernel had no room for some events, so what is pressed is unknown."""
+
+
 class EvdevReader:
     """One open device, as a context.
 
@@ -94,7 +98,8 @@ class EvdevReader:
         """First the state of its keys and axes, then news of inputs, until the device is gone.
 
         Raises:
-            OSError: It is gone, or events were lost; says why.
+            EventsLostError: Events were lost; opened again, it says what is pressed now.
+            OSError: It is gone; says why.
         """
         if present := {**self._present_keys(), **self._present_axes()}:
             yield present
@@ -109,7 +114,7 @@ class EvdevReader:
                 elif kind == EV_ABS:
                     yield {f"axis {code}": float(value)}
                 elif (kind, code) == (EV_SYN, SYN_DROPPED):
-                    raise OSError("events were lost, so what is pressed is unknown")
+                    raise EventsLostError("events were lost, so what is pressed is unknown")
             rest = rest[whole:]
         raise DeviceMissingError("the device ends")
 

@@ -6,14 +6,16 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, replace
+from typing import Final, TypeGuard
 
 from voice_assist.config.pedal import BindingConfig, PedalConfig
 
 STOP: Final = "stop"
 SETTLED: Final = 0.05  # [s] released before a press commands: a bouncing contact presses once
 RELEASED: Final = 0.8  # of `above`: an axis that commands is released only below it
+# [s] after a stop no other command: one foot on two switches presses both, the second some ms later
+STOP_ALONE: Final = 0.3
 
 
 @dataclass(frozen=True)
@@ -22,11 +24,12 @@ class Send:
 
     command: str
     input: str
+    why_not: str = ""  # why it is dropped after all; empty: it is not. A stop never is
 
 
 @dataclass(frozen=True)
 class Brake:
-    """The dead-man is not pressed: stop the robot."""
+    """Stop the robot, as the dead-man is not pressed, or nobody knows whether a stop is."""
 
     why: str
 
@@ -47,6 +50,7 @@ class Pedals:
         self._clock = clock
         self._pressed: dict[str, bool] = {}  # without what is unknown since the device was found
         self._released_at: dict[str, float] = {}  # [s] by input
+        self._stopped_at = -math.inf  # [s] when the last stop was due
         self._named: set[str] = set()
         self._gate = next((b for b in config.bindings if b.does in ("talk", "mute")), None)
         self._dead_man = next((b for b in config.bindings if b.does == "dead_man"), None)
@@ -63,7 +67,16 @@ class Pedals:
         was_held = self.is_held
         self.is_there = False
         self._pressed.clear()
-        return (Brake(f"the dead-man's device is lost: {why}"),) if was_held else ()
+        if not was_held:
+            return ()
+        return self._with_stops_alone(Brake(f"the dead-man's device is lost: {why}"))
+
+    def events_lost(self, why: str) -> tuple[PedalAction, ...]:
+        """The device is let go of, as some of its news are lost, perhaps a tap of a stop."""
+        actions = self.lost(why)
+        if all(binding.command != STOP for binding in self._bindings.values()):
+            return actions
+        return self._with_stops_alone(Brake(f"{why}; a stop may have been among them"))
 
     def take(self, values: Mapping[str, float], trouble: str = "") -> tuple[PedalAction, ...]:
         """News of some inputs, by name, such as "button 2".
@@ -83,12 +96,12 @@ class Pedals:
             if not math.isfinite(value):
                 state = "pressed" if binding.does == "mute" else "released"
                 self._remark(name, f"{name} gives {value}, no number: it counts as {state}")
-            actions += self._change(binding, self._is_pressed(binding, value))
+            actions += self._change(binding, self.presses(name, value))
         if trouble:
             if was_held and self.is_held:
                 actions.append(Brake(f"the dead-man is not known: {trouble}"))
             self._forget_permissions()
-        return tuple(actions)
+        return self._with_stops_alone(*actions)
 
     def check(self, present: Collection[str]) -> None:
         """Name the inputs of the settings that a device does not have."""
@@ -119,10 +132,21 @@ class Pedals:
             if binding.command != STOP and self._pressed.get(binding.input) is permits:
                 del self._pressed[binding.input]
 
+    def _with_stops_alone(self, *actions: PedalAction) -> tuple[PedalAction, ...]:
+        """Drop every other command that comes with a stop, in any order, or just after one."""
+        why_not = ""
+        if not all(map(_is_droppable, actions)):
+            self._stopped_at, why_not = self._clock(), "a stop came with it"
+        elif actions and self._clock() - self._stopped_at < STOP_ALONE:
+            why_not = "a stop came just before it"
+        return tuple(replace(a, why_not=why_not) if _is_droppable(a) else a for a in actions)
+
     def _has_settled(self, binding: BindingConfig) -> bool:
         return self._clock() - self._released_at[binding.input] >= SETTLED
 
-    def _is_pressed(self, binding: BindingConfig, value: float) -> bool:
+    def presses(self, name: str, value: float) -> bool:
+        """Whether a value presses an input that the settings name, from its present state."""
+        binding = self._bindings[name]
         if not math.isfinite(value):
             return binding.does == "mute"
         if binding.input.startswith("button"):
@@ -132,6 +156,10 @@ class Pedals:
         if binding.does == "command" and binding.command != STOP and not is_free:
             limit *= RELEASED
         return value >= limit if limit > 0.0 else value <= limit
+
+    def state(self, name: str) -> bool | None:
+        """Whether an input is pressed; None: it is not known."""
+        return self._pressed.get(name)
 
     def _remark(self, name: str, words: str) -> None:
         if name not in self._named:
@@ -160,3 +188,7 @@ class Pedals:
     def is_held(self) -> bool:
         """The dead-man is pressed."""
         return self._dead_man is not None and self._pressed.get(self._dead_man.input, False)
+
+
+def _is_droppable(action: PedalAction) -> TypeGuard[Send]:
+    return isinstance(action, Send) and action.command != STOP

@@ -22,6 +22,7 @@ from typed_config.ros.registration import stay_registered
 from typed_config.ros.service_calls import never
 from typed_config.ros.starting import starting
 from typed_config.ros.xmlrpc import FAILURES, ask
+from voice_assist.audio.capture.stamp_check import MAX_AHEAD
 from voice_assist.config import CommandsConfig
 from voice_assist.config.devices import (
     DeviceCallConfig,
@@ -39,6 +40,7 @@ from voice_assist.text.spoken_reply import spoken_reply
 VOICE = "voice_assist"  # node whose parameters hold the spoken commands
 IDLE = 0.2  # [s] between checks whether ROS ends
 SAY_AGAIN = 10.0  # [s] between warnings that nothing is kept
+SAID_WITHIN: Final = 2.0  # [s] from decision to call; older words could come after a later stop
 HEARD_AFTER = 1.0  # [s] since the start, until those who show and record results are connected
 TO_UNDO: Final = "to_undo"  # private parameter: phrases of the calls that a stop has to undo
 GOAL: Final = "goal"  # private parameter: phrase and goal's id of the action that a stop cancels
@@ -142,7 +144,10 @@ class DevicesNode:
         self._report(result)
 
     def _on_utterance(self, message: Utterance) -> None:
-        if (refused := self._calls.said(message.command)) is not None:
+        call = self._config.get(message.command)
+        if call is not None and (why := _age_trouble(message)):
+            self._report(CallResult(call, False, why, may_have_effect=False))
+        elif (refused := self._calls.said(message.command)) is not None:
             self._report(refused)
 
     def _on_event(self, message: Event) -> None:
@@ -175,6 +180,22 @@ class DevicesNode:
         self._result.publish(message)
         if spoken := spoken_reply(words, self._phrases):
             self._say.publish(String(spoken))
+
+
+def _age_trouble(message: Utterance) -> str:
+    """Why words are too old to call a device; empty: they are not, or have no age.
+
+    Of a clock that is ahead the age is unknown, and a simulated one may be faster than a person.
+    """
+    stamp = message.decision.to_sec() or message.header.stamp.to_sec()
+    if not stamp or not rospy.rostime.is_wallclock():
+        return ""
+    age = rospy.get_time() - stamp
+    if -MAX_AHEAD <= age <= SAID_WITHIN:
+        return ""
+    if age > 0.0:
+        return f"said {age:.1f} s ago, allowed {SAID_WITHIN:g} s"
+    return f"said {-age:.1f} s ahead of this host's clock, allowed {MAX_AHEAD:g} s; run chrony"
 
 
 def _set_parameter(key: str, value: list[str]) -> bool:

@@ -16,6 +16,7 @@ from genpy.message import fill_message_args
 
 from typed_config.ros.connections import open_listeners
 from typed_config.ros.service_calls import call_service, never
+from typed_config.ros.system_names import of_this_system
 from voice_assist.config.devices import DeviceCallConfig
 from voice_assist.devices.calls import DROPPED, CallResult
 from voice_assist.errors import CommandsError
@@ -26,6 +27,7 @@ MAY_COME: Final = "; it may still be carried out"  # a request that was sent and
 NOT_BEGUN: Final = (GoalStatus.REJECTED, GoalStatus.RECALLED)  # goals without any effect
 STEP: Final = 0.05  # [s] between looks whether a stop came
 CANCEL_WITHIN: Final = 2.0  # [s] for a device to listen, where an action of before is cancelled
+OBSERVERS: Final = ("/recorder", "/foxglove")  # nodes that listen to every topic: no device
 
 
 class Target(Protocol):
@@ -175,9 +177,9 @@ def _publisher(target: str, kind: type) -> rospy.Publisher:
 
 
 def _wait(topic: rospy.Publisher, within: float, is_stopped: Callable[[], bool]) -> bool:
-    """Whether somebody listens to a topic in time, and no stop came."""
-    end = time.monotonic() + within
-    while not open_listeners(topic) and not is_stopped():
+    """Whether a device listens to a topic in time, and no stop came; an observer is none."""
+    end, observers = time.monotonic() + within, set(map(of_this_system, OBSERVERS))
+    while not open_listeners(topic) - observers and not is_stopped():
         if time.monotonic() > end:
             return False
         time.sleep(0.01)

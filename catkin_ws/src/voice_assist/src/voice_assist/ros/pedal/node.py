@@ -24,7 +24,8 @@ from typed_config.ros.starting import starting
 from voice_assist.audio.capture.stamp_check import MAX_AHEAD
 from voice_assist.config.pedal import PedalConfig, pedal_config
 from voice_assist.intent.dialogue import Answered
-from voice_assist.pedal.evdev import DEVICES, EvdevReader, devices, find
+from voice_assist.pedal.drivers import Drivers
+from voice_assist.pedal.evdev import DEVICES, EvdevReader, EventsLostError, devices, find
 from voice_assist.pedal.pedals import STOP, PedalAction, Pedals, Send
 from voice_assist.ros.believed import Believed
 from voice_assist.ros.robot.command_client import CommandClient
@@ -53,7 +54,8 @@ class PedalNode:
     def __init__(self, config: PedalConfig) -> None:
         self._config, self._pedals, self._lock = config, Pedals(config), threading.Lock()
         self._trouble, self._late = NOT_FOUND, ""  # of the device, of its newest news
-        self._last_news = float("-inf")  # [s] steady clock
+        self._drivers = Drivers(config, self._pedals, self._is_alive)
+        self._news: dict[str, float] = {}  # [s] steady clock, by node; "": any message
         self._stop = rospy.Publisher("rst_control/stop", Empty, queue_size=10)
         self._talk = rospy.Publisher(TALK, Bool, queue_size=1)
         self._dead_man = rospy.Publisher(DEAD_MAN, Bool, queue_size=1, tcp_nodelay=True)
@@ -87,13 +89,15 @@ class PedalNode:
     def _on_joy(self, message: Joy) -> None:
         values = {f"button {i}": float(value) for i, value in enumerate(message.buttons)}
         values |= {f"axis {i}": float(value) for i, value in enumerate(message.axes)}
+        header = getattr(message, "_connection_header", None) or {}
+        driver = header.get("callerid", "")
         with self._lock:
-            self._last_news = time.monotonic()
+            self._news |= dict.fromkeys(["", driver], time.monotonic())
             if not self._pedals.is_there:
                 self._set_by.clear()
                 self._found(f"joy on {self._config.topic}", values)
-            header = getattr(message, "_connection_header", None) or {}
-            self._set_by |= dict.fromkeys(["", *values], header.get("callerid", ""))
+            values = self._drivers.counting(driver, values)
+            self._set_by |= dict.fromkeys(["", *values], driver)
             self._take(values, message.header.stamp.to_sec())
 
     def _read(self) -> None:
@@ -108,6 +112,10 @@ class PedalNode:
                     for values in reader:
                         with self._lock:
                             self._take(values, reader.stamp)
+            except EventsLostError as error:  # at once again: a press must not be missed meanwhile
+                with self._lock:
+                    self._lost(str(error), are_events_lost=True)
+                continue
             except Exception as error:  # top of the thread: what is not read counts as released
                 with self._lock:
                     self._lost(str(error) or repr(error))
@@ -120,8 +128,9 @@ class PedalNode:
         rospy.loginfo("pedal: %s", name)
         self._say_remarks()
 
-    def _lost(self, why: str) -> None:
-        self._carry_out(self._pedals.lost(why))
+    def _lost(self, why: str, are_events_lost: bool = False) -> None:
+        pedals = self._pedals
+        self._carry_out(pedals.events_lost(why) if are_events_lost else pedals.lost(why))
         if why != self._trouble:
             rospy.logwarn("pedal: %s", why)
         self._trouble = why
@@ -152,7 +161,7 @@ class PedalNode:
             words = action.command, action.input
             if action.command == STOP:
                 self._send_stop()
-            elif why := why_not or self._deaf_controller():
+            elif why := why_not or self._deaf_controller() or action.why_not:
                 rospy.logwarn("pedal: %s, by %s, is dropped: %s", *words, why)
                 continue
             else:
@@ -201,8 +210,23 @@ class PedalNode:
         for name in sorted(set(self._set_by.values())):
             if not is_heard(self._joy, name):
                 return f"{name} publishes {self._config.topic} no more"
-        age, allowed = time.monotonic() - self._last_news, self._config.silent_after
-        return f"{self._config.topic} silent for {age:.1f} s" if 0.0 < allowed < age else ""
+        if self._age("") > self._config.silent_after > 0.0:
+            return f"{self._config.topic} silent for {self._age(''):.1f} s"
+        for name in sorted({by for key, by in self._set_by.items() if self._pedals.state(key)}):
+            if not self._is_alive(name):  # another driver is no sign that this one's press lasts
+                return f"{name} silent on {self._config.topic} for {self._age(name):.1f} s"
+        return ""
+
+    def _is_alive(self, driver: str) -> bool:
+        """Whether a driver of the joy is connected, and not silent for too long."""
+        if self._joy is None or not is_heard(self._joy, driver):
+            return False
+        allowed = self._config.silent_after
+        return not allowed or self._age(driver) <= allowed
+
+    def _age(self, driver: str) -> float:
+        """Seconds since the last message of a driver; "": of any."""
+        return time.monotonic() - self._news.get(driver, float("-inf"))
 
     def _state_of_device(self) -> tuple[int, str]:
         """Level of the pedal's diagnostics, and its words."""
