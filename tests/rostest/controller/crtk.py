@@ -98,6 +98,7 @@ class Crtk(RobotTest):
         rospy.sleep(0.5)
         self.assertEqual(self.enabled(), before)
         self.wait_for("DISABLED")
+        self.assertEqual(self.shown.state, "DISABLED")
         self.give("enable")
         self.wait_for("ENABLED")
         self.robot.say("tense")

@@ -82,6 +82,7 @@ class KinovaGuard(unittest.TestCase):
         wait_until(lambda: len(self.stops) > before + 3, "stops")  # speeds come another way
         wait_until(self.has_slowed_down, "more than three speeds, the last of them nothing")
         sent = [speed.joint_speeds[0].value for speed in self.speeds]
+        self.assertGreater(len(sent), 3)
         self.assertAlmostEqual(sent[-1], 0.0, delta=1e-5)
         for speed in self.speeds:  # all joints keep to their common way
             first, second, *_ = (joint.value for joint in speed.joint_speeds)
