@@ -9,10 +9,8 @@ import sys
 import time
 from pathlib import Path
 
-import yaml
-
 from support.waiting import PATIENCE, wait_until
-from tests.support.ros_host import ASK, ROSTEST
+from tests.support.ros_host import ASK, ROSTEST, patient_controller
 
 PROGRAMS = Path(__file__).parent / "programs"
 LIMIT = 2 * PATIENCE  # [s] for a witness that finds everything, and leads the robot
@@ -22,10 +20,7 @@ SEEN = 7.0  # [s] for master_failover to have seen all; it reads parameters ever
 def test_all_brakes_is_named_and_found_again_with_the_next_master(host, tmp_path):
     first = host.start_master()
     host.launch("robot", overrides=ROSTEST / "patient_robot.yaml")
-    patient = yaml.safe_load((ROSTEST / "patient_controller.yaml").read_text(encoding="utf-8"))
-    del patient["controller"]["speed"]  # the motion must outlast the call that gave it
-    slow = tmp_path / "controller.yaml"
-    slow.write_text(yaml.safe_dump(patient), encoding="utf-8")
+    slow = patient_controller(tmp_path)  # the motion must outlast the call that gave it
     host.launch("controller", overrides=slow, on_recording_loss="ignore")
     wait_until(lambda: host.is_found("/rst_control/command"), "a controller", every=ASK)
     wait_until(

@@ -20,11 +20,11 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-import yaml
 
 from support.launched_system import free_port
 from support.process_groups import end_group
 from support.waiting import PATIENCE, wait_until
+from tests.support.ros_host import ROSTEST, patient_controller
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "tutorial.md").read_text(encoding="utf-8")
@@ -34,7 +34,6 @@ STARTING = ("not_connected", "not_recorded")
 AT_REST = ("standby", "active", "halted")
 PRINTER = Path(__file__).parent / "programs" / "state_printer.py"
 START = 4 * PATIENCE  # [s] where the kinematics have to be compiled on a loaded machine
-ROSTEST = ROOT / "tests" / "rostest"
 pytestmark = pytest.mark.timeout(600)
 
 
@@ -156,11 +155,7 @@ def give(hand, states, line):
 
 def settings(folder):
     """Arguments of a launch."""
-    patient = yaml.safe_load((ROSTEST / "patient_controller.yaml").read_text(encoding="utf-8"))
-    del patient["controller"]["speed"]["insertion"]
-    patient["controller"]["recording"] = {"heartbeat_age": 10.0}
-    slow = folder / "controller.yaml"
-    slow.write_text(yaml.safe_dump(patient), encoding="utf-8")
+    slow = patient_controller(folder, ("insertion",), recording={"heartbeat_age": 10.0})
     return f"controller_overrides:={slow} robot_overrides:={ROSTEST}/patient_robot.yaml"
 
 

@@ -6,6 +6,7 @@ import subprocess
 from pathlib import Path
 
 import rosgraph
+import yaml
 
 from support.launched_system import free_port
 from support.process_groups import end_group
@@ -15,6 +16,25 @@ ROOT = Path(__file__).resolve().parents[2]
 ROSTEST = ROOT / "tests" / "rostest"
 ASK = 0.1  # [s] between two questions to the master, each of which is work for both
 CORE = {"/rosout"}  # node of the master's own
+
+
+def patient_controller(folder, own_speeds=(), **sections):
+    """File with the settings of patient_controller.yaml, but the product's own speeds.
+
+    Args:
+        folder: Where it is written.
+        own_speeds: Which; none named: all.
+        **sections: More sections of the controller.
+    """
+    settings = yaml.safe_load((ROSTEST / "patient_controller.yaml").read_text(encoding="utf-8"))
+    controller = settings["controller"]
+    speeds = controller.pop("speed")
+    if own_speeds:
+        sections["speed"] = {name: v for name, v in speeds.items() if name not in own_speeds}
+    controller |= sections
+    file = folder / "controller.yaml"
+    file.write_text(yaml.safe_dump(settings), encoding="utf-8")
+    return file
 
 
 class Host:
