@@ -2,11 +2,11 @@
 """`make test`: all tests; `--fast`, for `make check`: those that need no node and little time.
 
 The demo comes first, with nothing beside it: recognition that waits for a core counts as one that
-hangs, and cores may be threads of one core. Then come the other systems that hear words, one at a
-time. Then two systems run at once, and no more, since each takes a core; on slow cores it takes
-more, and they run one at a time. The tests without nodes, and those that only read launch files or
-wait for no time, run on every core beside them, at a lower priority. With other arguments: one
-pytest with them.
+hangs, and cores may be threads of one core. Then come the other systems that hear, one at a time.
+The tests without nodes, and those that only read launch files or wait for no time, run on every
+core beside these, at a lower priority. Last come the systems that hear nothing, with nothing beside
+them: a motion that nodes lead in time needs its turns. They mostly wait, so some run at once, fewer
+on slow cores. With other arguments: one pytest with them.
 """
 
 from __future__ import annotations
@@ -38,9 +38,10 @@ HEARING = (
 )
 WITHOUT = ("state_search", "simulation", "property", "docs", "traps", "unit", "launch")
 CORES = len(os.sched_getaffinity(0))
-SYSTEMS = 2  # that run at once
-QUICK = 3.3  # [s] that the simulated robot's example takes on as many cores where they carry these
+SYSTEMS, ON_SLOW_CORES = 4, 2  # that run at once
+QUICK = 3.3  # [s] that the simulated robot's example takes on all cores at once; slow ones: more
 SPREAD = ("--dist", "loadfile", "--no-loadscope-reorder")  # what a file's tests share is made once
+MOST_FIRST = "--loadscope-reorder"  # files with the most tests
 NICE = 19  # of the tests without nodes
 SLOWEST = 20
 KINDS = ("test_*.py", "*.test")  # names of files of tests
@@ -59,19 +60,19 @@ def main(arguments: Sequence[str]) -> int:
         return subprocess.call(_pytest(*_places(arguments), *arguments))
     _compile_kernels()
     systems = _systems_at_once()
-    print("The demo first, then systems; the others run beside and are shown last.", flush=True)
+    print("The demo first, then what hears; tests beside it are shown afterwards.", flush=True)
     codes = [subprocess.call(_command("demo", DEMO, 1))]
     others = _start_beside()
     try:
         codes += [subprocess.call(_command("hearing", HEARING, 1))]
-        codes += [subprocess.call(_command("systems", deaf_systems(), systems))]
         codes += [others.wait()]
     finally:
         if others.poll() is None:
             os.killpg(others.pid, signal.SIGINT)  # as Ctrl-C, so that its nodes are ended
             others.wait()
         print(BESIDE.read_text(encoding="utf-8", errors="replace"), flush=True)
-    return _conclude(["demo", "hearing", "systems", "others"], codes)
+    codes += [subprocess.call(_command("systems", deaf_systems(), systems, MOST_FIRST))]
+    return _conclude(["demo", "hearing", "others", "systems"], codes)
 
 
 def deaf_systems() -> list[str]:
@@ -134,13 +135,13 @@ def _compile_kernels() -> None:
 
 
 def _systems_at_once() -> int:
-    """How many systems the cores carry: on slow ones two would leave nothing for the rest."""
+    """How many systems the cores carry."""
     began = time.monotonic()
-    for robot in [_move_robot() for _ in range(SYSTEMS)]:
+    for robot in [_move_robot() for _ in range(CORES)]:
         robot.wait()
     seconds = time.monotonic() - began
-    systems = SYSTEMS if seconds <= QUICK else 1
-    print(f"The robot moved {SYSTEMS} times at once in {seconds:.1f} s: systems at once: {systems}")
+    systems = SYSTEMS if seconds <= QUICK else ON_SLOW_CORES
+    print(f"The robot moved {CORES} times at once in {seconds:.1f} s: systems at once: {systems}")
     return systems
 
 
