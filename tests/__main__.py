@@ -38,8 +38,8 @@ HEARING = (
 )
 WITHOUT = ("state_search", "simulation", "property", "docs", "traps", "unit", "launch")
 CORES = len(os.sched_getaffinity(0))
-SYSTEMS, ON_SLOW_CORES = 4, 2  # that run at once
-QUICK = 3.3  # [s] that the simulated robot's example takes on all cores at once; slow ones: more
+SYSTEMS, FEW = 4, 2  # that run at once; few on slow cores
+QUICK = 3.3  # [s] that few of the simulated robot's example take at once; on slow cores: more
 SPREAD = ("--dist", "loadfile", "--no-loadscope-reorder")  # what a file's tests share is made once
 MOST_FIRST = "--loadscope-reorder"  # files with the most tests
 NICE = 19  # of the tests without nodes
@@ -137,11 +137,11 @@ def _compile_kernels() -> None:
 def _systems_at_once() -> int:
     """How many systems the cores carry."""
     began = time.monotonic()
-    for robot in [_move_robot() for _ in range(CORES)]:
+    for robot in [_move_robot() for _ in range(FEW)]:
         robot.wait()
     seconds = time.monotonic() - began
-    systems = SYSTEMS if seconds <= QUICK else ON_SLOW_CORES
-    print(f"The robot moved {CORES} times at once in {seconds:.1f} s: systems at once: {systems}")
+    systems = SYSTEMS if seconds <= QUICK else FEW
+    print(f"The robot moved {FEW} times at once in {seconds:.1f} s: systems at once: {systems}")
     return systems
 
 
