@@ -2,12 +2,9 @@
 """The whole demonstration: a sound file, a pedal and a hand move a robot; an MCAP file is left."""
 
 import json
-import os
 import re
-import signal
 import subprocess
 import sys
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -23,16 +20,12 @@ from session_log.mcap_file.summary import read_summary
 from session_log.recording import metadata
 from support.browser import MISSING, find_browser
 from support.machine import hearing_obstacle
-from support.waiting import wait_until
-from tests.integration.heeding import heed
 from tests.support.recorded_topics import ON_REQUEST, TYPES
 
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = Path(__file__).parent / "programs"
-SHORT = ROOT / "tests" / "data" / "short_session.yaml"
 SCRIPT = load_script(ROOT / "demo" / "session.yaml")
 LIMIT = 280.0  # [s] on a loaded machine, less than pytest gives: what hangs is ended
-COMMAND = [sys.executable, "-m", "demo", "--wav"]
 
 
 def messages(mcap, *topics):
@@ -49,7 +42,7 @@ def session(tmp_path_factory):
         pytest.skip(obstacle)
     folder = tmp_path_factory.mktemp("session")
     done = subprocess.run(
-        [*COMMAND, "--out", str(folder)],
+        [sys.executable, "-m", "demo", "--wav", "--out", str(folder)],
         cwd=ROOT,
         capture_output=True,
         text=True,
@@ -178,37 +171,3 @@ def test_the_recording_says_by_what_it_was_made(session):
     assert settings["controller"]["recording"]["on_loss"] == "refuse"
     (urdf,) = reader.messages({"/robot_description"})
     assert urdf.data[4:] == (ROOT / "urdf" / "gen3_openrst.urdf").read_bytes()
-
-
-def test_ctrl_c_ends_everything_and_leaves_a_readable_recording(tmp_path):
-    demo = subprocess.Popen(
-        [*COMMAND, "--script", str(SHORT), "--out", str(tmp_path)],
-        cwd=ROOT,
-        env={**os.environ, "PYTHONUNBUFFERED": "1"},
-        stdout=subprocess.PIPE,
-        text=True,
-        preexec_fn=heed,
-    )
-    shown = ""
-    while not all(f"{part} ready" in shown for part in ("recorder", "robot", "voice")):
-        line = demo.stdout.readline()
-        assert line, f"ended before the system was up: {shown}"
-        shown += line
-    demo.send_signal(signal.SIGINT)
-    shown += demo.communicate(timeout=LIMIT)[0]
-    assert demo.returncode == 130, shown
-    assert any(True for _ in messages(tmp_path / "session.mcap", "/joint_states"))
-    with suppress(RuntimeError):  # what was killed needs a moment
-        wait_until(lambda: not started_by(tmp_path))
-    assert started_by(tmp_path) == []
-
-
-def started_by(folder):
-    """Commands of the processes whose logs are in a folder."""
-    commands = []
-    for process in Path("/proc").glob("[0-9]*"):
-        with suppress(OSError):
-            environment = (process / "environ").read_bytes()
-            if int(process.name) != os.getpid() and f"{folder}/ros_logs".encode() in environment:
-                commands.append((process / "cmdline").read_bytes().decode())
-    return commands

@@ -9,11 +9,14 @@ import sys
 from pathlib import Path
 
 import pytest
+from mcap.reader import make_reader
 
-from support.waiting import PATIENCE
+from support.waiting import PATIENCE, wait_until
 from tests.integration.heeding import heed
 
 ROOT = Path(__file__).resolve().parents[2]
+DEMO = [sys.executable, "-m", "demo", "--wav"]
+SHORT = ROOT / "tests" / "data" / "short_session.yaml"
 PROGRAM = """
 import sys, time
 from pathlib import Path
@@ -52,3 +55,38 @@ def members(group):
     listing = subprocess.run(["ps", "-e", "-o", "pgid=,pid="], capture_output=True, text=True)
     rows = [tuple(map(int, line.split())) for line in listing.stdout.splitlines()]
     return [pid for pgid, pid in rows if pgid == group and pid != os.getpid()]
+
+
+def test_ctrl_c_ends_everything_and_leaves_a_readable_recording(tmp_path):
+    demo = subprocess.Popen(
+        [*DEMO, "--script", str(SHORT), "--out", str(tmp_path)],
+        cwd=ROOT,
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+        stdout=subprocess.PIPE,
+        text=True,
+        preexec_fn=heed,
+    )
+    shown = ""
+    while not all(f"{part} ready" in shown for part in ("recorder", "robot", "voice")):
+        line = demo.stdout.readline()
+        assert line, f"ended before the system was up: {shown}"
+        shown += line
+    demo.send_signal(signal.SIGINT)
+    shown += demo.communicate(timeout=PATIENCE)[0]
+    assert demo.returncode == 130, shown
+    with (tmp_path / "session.mcap").open("rb") as stream:
+        assert any(True for _ in make_reader(stream).iter_messages(topics=["/joint_states"]))
+    with contextlib.suppress(RuntimeError):  # what was killed needs a moment
+        wait_until(lambda: not started_by(tmp_path))
+    assert started_by(tmp_path) == []
+
+
+def started_by(folder):
+    """Commands of the processes whose logs are in a folder."""
+    commands = []
+    for process in Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            environment = (process / "environ").read_bytes()
+            if int(process.name) != os.getpid() and f"{folder}/ros_logs".encode() in environment:
+                commands.append((process / "cmdline").read_bytes().decode())
+    return commands
