@@ -245,6 +245,19 @@ def test_with_the_setting_stop_a_pull_brakes_and_a_release_is_finished():
     assert rig.state is State.ACTIVE and not rig.view.is_tissue_held
 
 
+def test_a_stop_by_a_person_keeps_its_reason_where_the_recording_is_lost_while_it_brakes():
+    rig = RecordedRig("stop").awake()
+    rig.say("tense")
+    rig.until(lambda: rig.view.tension > 0.2)
+    rig.say("stop")
+    assert rig.state is State.STOPPING
+    reason = rig.view.mode.reason
+    rig.record("disk full")
+    rig.until(lambda: rig.state is State.HALTED)
+    assert rig.view.mode.reason == reason != ""
+    assert all(event.reason is not Reason.NOT_RECORDED for event in rig.executor.events)
+
+
 def test_where_it_is_ignored_the_robot_works_as_ever():
     rig = RecordedRig("ignore").awake()
     rig.record("disk full")

@@ -41,7 +41,6 @@ class FakeGoal:
 
     def abort(self, code, words):
         self._end(("aborted", code))
-        self.words = words
 
     def cancel(self):
         self._end("canceled")
