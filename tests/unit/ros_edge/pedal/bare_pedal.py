@@ -22,13 +22,20 @@ BRAKED = ["stop is published", "stop"]  # by the topic, and by the service that 
 JOYS, CONTROLLER = ("/joy_node", "/joy"), "/controller"
 
 
-def bare_node(actions, bound=HELD):
-    """A node with a dead-man, without ROS."""
+def bare_node(*bindings):
+    """A node without ROS, which cannot act yet."""
     node = object.__new__(PedalNode)
-    node._config = pedal_config({**load_yaml(CONFIG_DIR / "pedal.yaml"), "bindings": [bound]})
+    settings = {**load_yaml(CONFIG_DIR / "pedal.yaml"), "bindings": list(bindings)}
+    node._config = pedal_config(settings)
     node._pedals, node._lock = Pedals(node._config), threading.Lock()
     node._drivers, node._news = Drivers(node._config, node._pedals, node._is_alive), {}
     node._trouble = node._late = ""
+    return node
+
+
+def noting_node(actions, bound=HELD):
+    """A node that notes what it would carry out."""
+    node = bare_node(bound)
     node._carry_out = lambda some, why_not="": actions.extend(some)
     node._tell = lambda: None
     return node
@@ -45,7 +52,7 @@ class Driven:
         log = {"loginfo": lambda *_: None, "logwarn": lambda *_: None}
         monkeypatch.setattr(pedal_node, "rospy", SimpleNamespace(**log))
         self.connections, self.actions = [connection(name) for name in names], []
-        node = self.node = bare_node(self.actions, bound)
+        node = self.node = noting_node(self.actions, bound)
         node._known, node._dead_man = SimpleNamespace(is_believed=is_believed), None
         monkeypatch.setattr(pedal_node, "open_listeners", lambda _: {CONTROLLER})
         node._joy = SimpleNamespace(
@@ -89,14 +96,9 @@ class Acting:
         fake = SimpleNamespace(loginfo=note, logwarn=note, get_time=time.time, **clock)
         monkeypatch.setattr(pedal_node, "rospy", fake)
         self.is_wallclock, self.rospy = True, fake
-        node = self.node = object.__new__(PedalNode)
-        node._config = pedal_config(
-            {**load_yaml(CONFIG_DIR / "pedal.yaml"), "bindings": list(bindings)}
-        )
-        node._pedals, node._lock = Pedals(node._config), threading.Lock()
-        node._drivers, node._news = Drivers(node._config, node._pedals, node._is_alive), {}
+        node = self.node = bare_node(*bindings)
         monkeypatch.setattr(node._pedals, "_clock", iter(range(1000)).__next__)
-        node._trouble, node._late, node._joy = "", "", None
+        node._joy = None
         node._stop = SimpleNamespace(publish=lambda _: self.acts.append("stop is published"))
         call = lambda command, may_repeat: self.acts.append(command)  # noqa: E731
         node._client = SimpleNamespace(call=call, forget=lambda: None)

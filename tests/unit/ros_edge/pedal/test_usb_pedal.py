@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from tests.unit.ros_edge.pedal.bare_pedal import BRAKED, HELD, MORE, STOP, Acting, bare_node
+from tests.unit.ros_edge.pedal.bare_pedal import BRAKED, HELD, MORE, STOP, Acting, noting_node
 from voice_assist.pedal import evdev
 from voice_assist.pedal.evdev import EventsLostError
 from voice_assist.pedal.pedals import Brake
@@ -25,7 +25,7 @@ def test_a_device_that_fails_releases_the_dead_man(monkeypatch, error):
     )
     monkeypatch.setattr(pedal_node, "rospy", fake)
     monkeypatch.setattr(pedal_node, "find", fail)
-    node = bare_node(actions := [])
+    node = noting_node(actions := [])
     node._pedals.found()
     for value in (0.0, 1.0):
         node._pedals.take({"button 0": value})
@@ -61,7 +61,7 @@ def test_an_input_that_a_usb_pedal_does_not_have_is_named_and_closes_the_gate(
     monkeypatch.setattr(pedal_node, "DEVICES", tmp_path)
     monkeypatch.setattr(pedal_node, "find", lambda _: "event1")
     bound = {"input": source, "above": 0.5, "does": does, "command": ""}
-    node, may_talk = bare_node([], bound), []
+    node, may_talk = noting_node([], bound), []
     node._carry_out = lambda *_: may_talk.append(node._pedals.may_talk)
     node._read()
     is_there = source in ("button 48", "axis 1")
